@@ -126,7 +126,7 @@ def unfit() -> list[str]:
     if not whole():
         return [SHALLOW]
     ages = (age(page, name) for name, page in pages())
-    old = (each for each in ages if each.verdict == "stale")
+    old = (each for each in ages if each.lines and each.verdict != "fresh")
     again = "make it again, or remove it with what cites it"
     return unstamped() + [
         f"{a.name}: {a.changed} of {a.lines} lines have changed since {a.stamp}: {again}" for a in old

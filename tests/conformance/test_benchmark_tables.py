@@ -19,8 +19,6 @@ from tests.rows import rows
 
 import allanite as al
 
-again = pytest.mark.nightly("a part of a committed table made again")
-
 
 def rows_of(name, section="", **where):
     """Rows of a committed table whose cells are as given."""
@@ -46,21 +44,19 @@ def test_every_term_is_in_a_model_of_the_simulation():
 
     simulated = {term.symbol for text in simulation.MODELS.values() for term in al.Model(text)}
     assert set(al.terms.TERMS) == simulated, "add a model with each term to MODELS in benchmarks/simulation.py"
-    again = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
-    assert {row["noise"] for row in rows_of("simulation.md")} == set(simulation.MODELS), f"make it again: {again}"
+    command = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
+    assert {row["noise"] for row in rows_of("simulation.md")} == set(simulation.MODELS), f"make it again: {command}"
 
 
 def test_the_efficiency_of_a_method_is_that_of_the_table():
     good = [row for row in rows_of("methods.md", "Each method") if float(row["bound %"]) <= 12]
     for name, method in al.identification.METHODS.items():
-        stated = re.fullmatch(r"([\d.]+) to ([\d.]+) times the Cramer-Rao bound", method.efficiency)
+        stated = re.fullmatch(r"([\d.]+) to ([\d.]+) times the Cramer-Rao bound", method.efficiency).groups()
         errors = [float(row["rmse"]) for row in good if row["method"] == name]
-        assert [float(number) for number in stated.groups()] == pytest.approx([min(errors), max(errors)], rel=0.01), (
-            name
-        )
+        assert [*map(float, stated)] == pytest.approx([min(errors), max(errors)], rel=0.01), name
 
 
-@again
+@pytest.mark.nightly("a part of a committed table made again")
 @rows("sensor", ["MEMS", "FOG", "RLG"])
 def test_methods(sensor):
     """The first 10 records of well determined terms.
@@ -76,11 +72,8 @@ def test_methods(sensor):
     for new, row in zip(made, rows_of("methods.md", "Each method", sensor=sensor, n="65536"), strict=True):
         assert list(new.values())[:5] == list(row.values())[:5]
         assert (new["cover %"] == "-") == (row["cover %"] == "-")
-        if (
-            float(row["bound %"]) > 12 or row["method"] == "slopes"
-        ):  # which point a slope is read from is no normal error
-            continue
-        rmse, bias = float(row["rmse"]), float(row["bias"])
-        assert 0.1 <= (float(new["rmse"]) / rmse) ** 2 <= 4.5
-        scatter = np.sqrt(max(rmse**2 - bias**2, 0.0) + 0.02)
-        assert abs(float(new["bias"]) - bias) <= 5 * scatter / np.sqrt(count)
+        if float(row["bound %"]) <= 12 and row["method"] != "slopes":  # from which point is no normal error
+            rmse, bias = float(row["rmse"]), float(row["bias"])
+            assert 0.1 <= (float(new["rmse"]) / rmse) ** 2 <= 4.5
+            scatter = np.sqrt(max(rmse**2 - bias**2, 0.0) + 0.02)
+            assert abs(float(new["bias"]) - bias) <= 5 * scatter / np.sqrt(count)

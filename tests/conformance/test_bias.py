@@ -23,14 +23,11 @@ def record_of(model, n=2000, seed=1):
 @rows("symbols, name", paired(["Q", "N", "B", "K", "NK"], BIASED))
 def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols):
     model = rate(**dict.fromkeys(symbols, 1.0))
-    curve = al.deviation(record_of(model), name, noise=model, bias="exact")
-    plain = al.deviation(record_of(model), name, noise=model)
+    curve, plain = (al.deviation(record_of(model), name, noise=model, bias=bias) for bias in ("exact", None))
     np.testing.assert_allclose(curve.variance, plain.variance * curve.factor)
     own = al.expected(model, name, curve.tau, rate=1.0, size=2000)
-    target = al.statistics.STATISTICS[name].target
-    wanted = (
-        al.expected(model, target, curve.tau, rate=1.0) if name != "theo1" else al.expected(model, target, curve.tau)
-    )
+    rate_of_target = {"rate": 1.0} if name != "theo1" else {}
+    wanted = al.expected(model, al.statistics.STATISTICS[name].target, curve.tau, **rate_of_target)
     np.testing.assert_allclose(curve.factor * own, wanted, rtol=1e-9)
 
 
@@ -66,21 +63,11 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
     np.testing.assert_allclose(curve.upper(0.95), high, rtol=1e-12)
 
 
-@rows(
-    "name, options, words",
-    [
-        ("oadev", {"bias": "best"}, "known bias corrections: exact, published, model"),
-        ("theo1", {"bias": "model"}, "for theobr, theoh"),
-        ("theoh", {"bias": "exact"}, "takes"),
-        ("theo1", {"bias": "exact", "noise": None}, "a bias correction depends on the noise"),
-        ("theo1", {"bias": "published", "noise": rate(N=1.0)}, "noise='auto'"),
-    ],
-)
-def test_corrections_that_make_no_sense_are_refused(name, options, words):
-    refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options))
-
-
-@rows("name", ["mtie", "tierms"])
-def test_what_no_noise_gives_limits_to_has_none(name):
-    with pytest.raises(al.UsageError):
-        _ = al.deviation(record_of(rate(N=1.0)), name).edf
+@rows("name, options, words", [
+    ("oadev", {"bias": "best"}, "known bias corrections: exact, published, model"),
+    ("theo1", {"bias": "model"}, "for theobr, theoh"), ("theoh", {"bias": "exact"}, "takes"),
+    ("theo1", {"bias": "exact", "noise": None}, "a bias correction depends on the noise"),
+    ("theo1", {"bias": "published", "noise": rate(N=1.0)}, "noise='auto'"), ("mtie", {}, ""), ("tierms", {}, ""),
+])  # fmt: skip
+def test_corrections_and_limits_that_make_no_sense_are_refused(name, options, words):
+    refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options).edf)

@@ -4,7 +4,6 @@ import contextlib
 import inspect
 import math
 import os
-import re
 import sys
 from fractions import Fraction
 from functools import cache
@@ -47,14 +46,12 @@ def values() -> dict[str, Any]:
         "accelerometer": al.N(0.001, "m/s/sqrt(h)"), "after": record, "before": record, "claims": model,
         "data": {}, "difference": np.zeros(100), "durations": (20.0,), "executor": None, "factors": [1.0, 2.0],
         "gimbals": al.angle.gimbals(np.arange(100.0), latitude=1.0), "gyro": model, "latitude": 1.0,
-        "m": np.array([1, 2]),
-        "measured": np.zeros(100), "method": "mean", "model": model, "noise": model, "path": Path("nowhere.csv"),
-        "rate": 10.0, "record": record, "recipe": al.Recipe(), "results": "nowhere", "reference": np.zeros(100),
-        "rng": rng, "row": al.statistics.STATISTICS["oadev"], "runs": 1000, "second": record,
-        "settings": al.signals.PathSettings((al.signals.Stage("ADC", 16, 300.0, "deg/s"),)),
-        "sheet": "adis16470", "size": 1000, "source": record, "statistic": "oadev", "tau": 1.0,
-        "time": np.arange(100.0),
-        "time_constant": 10.0, "times": [0.0, 1.0], "until": 100.0, "value": record, "module": None,
+        "m": np.array([1, 2]), "measured": np.zeros(100), "method": "mean", "model": model, "module": None,
+        "noise": model, "path": Path("nowhere.csv"), "rate": 10.0, "record": record, "recipe": al.Recipe(),
+        "results": "nowhere", "reference": np.zeros(100), "rng": rng, "row": al.statistics.STATISTICS["oadev"],
+        "runs": 1000, "second": record, "sheet": "adis16470", "size": 1000, "source": record, "statistic": "oadev",
+        "settings": al.signals.PathSettings((al.signals.Stage("ADC", 16, 300.0, "deg/s"),)), "tau": 1.0,
+        "time": np.arange(100.0), "time_constant": 10.0, "times": [0.0, 1.0], "until": 100.0, "value": record,
     }  # fmt: skip
 
 
@@ -191,43 +188,41 @@ def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size
 
 def nested() -> list[Any]:
     """A list that contains itself."""
-    found: list[Any] = []
-    found.append(found)
-    return found
+    itself: list[Any] = []
+    itself.append(itself)
+    return itself
 
 
 MODEL, RECORD = values()["model"], values()["record"]
-EXTREME: dict[str, tuple[Any, str]] = {
-    "a huge coefficient": (lambda: al.N(1e300, "deg/sqrt(h)"), "value must be between"),
-    "a rate no float can hold": (lambda: al.Record([1.0, 2.0], 10**400, "deg/h"), "a number of more than 200 digits"),
-    "a large coefficient": (lambda: al.N(1e40, "deg/sqrt(h)"), "cannot be computed with"),
-    "a tiny coefficient": (lambda: al.N(1e-300, "deg/sqrt(h)"), "value must be between"),
-    "bins": (lambda: al.spectrum(RECORD, bins=10**9), "omit it to have all"),
-    "taus": (lambda: al.deviation(RECORD, taus=[1e300]), "averaging times"),
-    "no time": (lambda: al.expected(MODEL, "oadev", 0.0), "averaging times"),
-    "a long time": (lambda: al.expected(MODEL, "oadev", 1e300), "tau must be between"),
-    "samples": (lambda: al.simulate(MODEL, 10**12, 10.0, rng=1), "between 2 and 1e+10"),
-    "seed": (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must be between 0 and"),
-    "infinite duration": (lambda: al.simulate(MODEL, rate=1.0, duration=math.inf, rng=1), "duration must be"),
-    "no duration": (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
-    "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
-    "a huge integer": (lambda: al.averaging_stability(RECORD, 10**30), "below 2"),
-    "a tiny step": (lambda: al.simulation.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
-    "a negative noise": (lambda: al.attitude.kalman(-1.0, 1.0), "N must be between 0"),
-    "no factors": (lambda: al.statistics.edf(al.STATISTICS["oadev"], MODEL, [0], 100, 10.0), "averaging factors"),
-    "a size": (lambda: al.statistics.covariance(al.STATISTICS["oadev"], MODEL, [1], -1, 10.0), "needs at least 2"),
-    "a list of itself": (lambda: al.drift(nested()), "nested too deeply"),
-    "a long word": (lambda: al.read("x" * 5000), "5000 characters"),
-    "seconds": (lambda: al.averaging_stability(RECORD, math.nan), "not a multiple"),
-    "level": (lambda: al.selfcheck(MODEL, 1000, 10.0, level=2.0, rng=1), "level"),
-    "scale": (lambda: al.analyze(al.Record(np.arange(1000) % 7, 10.0, "arcsec", kind="count", scale=1e308)), "scale"),
-}  # fmt: skip
+EXTREME = [
+    (lambda: al.N(1e300, "deg/sqrt(h)"), "value must be between"),
+    (lambda: al.N(1e40, "deg/sqrt(h)"), "cannot be computed with"),
+    (lambda: al.N(1e-300, "deg/sqrt(h)"), "value must be between"),
+    (lambda: al.Record([1.0, 2.0], 10**400, "deg/h"), "a number of more than 200 digits"),
+    (lambda: al.spectrum(RECORD, bins=10**9), "omit it to have all"),
+    (lambda: al.deviation(RECORD, taus=[1e300]), "averaging times"),
+    (lambda: al.expected(MODEL, "oadev", 0.0), "averaging times"),
+    (lambda: al.expected(MODEL, "oadev", 1e300), "tau must be between"),
+    (lambda: al.simulate(MODEL, 10**12, 10.0, rng=1), r"between 2 and 1e\+10"),
+    (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must be between 0 and"),
+    (lambda: al.simulate(MODEL, rate=1.0, duration=math.inf, rng=1), "duration must be"),
+    (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
+    (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
+    (lambda: al.averaging_stability(RECORD, 10**30), "below 2"),
+    (lambda: al.averaging_stability(RECORD, math.nan), "not a multiple"),
+    (lambda: al.simulation.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
+    (lambda: al.attitude.kalman(-1.0, 1.0), "N must be between 0"),
+    (lambda: al.statistics.edf(al.STATISTICS["oadev"], MODEL, [0], 100, 10.0), "averaging factors"),
+    (lambda: al.statistics.covariance(al.STATISTICS["oadev"], MODEL, [1], -1, 10.0), "needs at least 2"),
+    (lambda: al.drift(nested()), "nested too deeply"), (lambda: al.read("x" * 5000), "5000 characters"),
+    (lambda: al.selfcheck(MODEL, 1000, 10.0, level=2.0, rng=1), "level"),
+    (lambda: al.analyze(al.Record(np.arange(1000) % 7, 10.0, "arcsec", kind="count", scale=1e308)), "scale"),
+]  # fmt: skip
 
 
-@rows("name", EXTREME)
-def test_a_number_out_of_range_is_refused_before_any_work(name):
-    call, said = EXTREME[name]
-    with pytest.raises(al.AllaniteError, match=re.escape(said)):
+@rows("call, words", EXTREME)
+def test_a_number_out_of_range_is_refused_before_any_work(call, words):
+    with pytest.raises(al.AllaniteError, match=words):
         call()
 
 

@@ -5,7 +5,6 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 from tests import ROOT
@@ -23,30 +22,20 @@ BLOCK = "import os, sys; sys.modules.update(dict.fromkeys(os.environ['ALLANITE_M
 """What every process begins with that the tests start: these modules cannot be found."""
 
 
-class Extra(NamedTuple):
-    """The modules of an extra, files that it reads, and commands that need it."""
-
-    modules: tuple[str, ...]
-    files: tuple[str, ...] = ()
-    commands: tuple[str, ...] = ()
-
-
 EXTRAS = {
-    "hdf5": Extra(("h5py",), ("plain.h5", "matlab73.mat"), ("simulate new.h5 --sensor mems --duration 10 --rate 100",)),
-    "ros": Extra(("rosbags",), ("plain.bag", "plain.db3", "plain.mcap")),
-    "r": Extra(("rdata",), ("matrix.rda", "frame.rds")),
-    "ulog": Extra(("pyulog",), ("flight.ulg",)),
-    "xlsx": Extra(("openpyxl",), ("sheet.xlsx",)),
-    "tdms": Extra(("nptdms",), ("run.tdms",)),
-    "mdf": Extra(("asammdf",), ("run.mf4",)),
-    "web": Extra(("fastapi", "uvicorn"), (), (f"serve {FOLDER}/{SAMPLE.name}",)),
-    "live": Extra(("serial",), (), ("watch /dev/null --rate 100 --unit deg/s",)),
-    "dask": Extra(("distributed",), (), (f"batch {FOLDER} --out out --scheduler tcp://127.0.0.1:9",)),
-}
-MODULES = {extra: set(row.modules) for extra, row in EXTRAS.items()}
+    # its modules, files that it reads, and a command that needs it
+    "hdf5": ("h5py", "plain.h5 matlab73.mat", "simulate new.h5 --sensor mems --duration 10 --rate 100"),
+    "ros": ("rosbags", "plain.bag plain.db3 plain.mcap", ""), "r": ("rdata", "matrix.rda frame.rds", ""),
+    "ulog": ("pyulog", "flight.ulg", ""), "xlsx": ("openpyxl", "sheet.xlsx", ""), "tdms": ("nptdms", "run.tdms", ""),
+    "mdf": ("asammdf", "run.mf4", ""), "web": ("fastapi uvicorn", "", f"serve {FOLDER}/{SAMPLE.name}"),
+    "live": ("serial", "", "watch /dev/null --rate 100 --unit deg/s"),
+    "dask": ("distributed", "", f"batch {FOLDER} --out out --scheduler tcp://127.0.0.1:9"),
+}  # fmt: skip
+MODULES = {extra: set(modules.split()) for extra, (modules, _, _) in EXTRAS.items()}
+FILES = {extra: files.split() for extra, (_, files, _) in EXTRAS.items() if files}
 
-SUFFIXES = {Path(name).suffix for row in EXTRAS.values() for name in row.files} - {".mat"}  # version 5 needs only scipy
-PLAIN = [name for name in SEEDS if Path(name).suffix not in SUFFIXES and name not in EXTRAS["hdf5"].files]
+SUFFIXES = {Path(name).suffix for files in FILES.values() for name in files} - {".mat"}  # version 5 needs only scipy
+PLAIN = [name for name in SEEDS if Path(name).suffix not in SUFFIXES and name not in FILES["hdf5"]]
 """Files of all formats that need no extra."""
 
 PROGRAM = "import allanite as al; import sys; print(len(al.analyze(sys.argv[1]).channels))"
@@ -63,29 +52,31 @@ def take_away(modules, monkeypatch, folder):
 
 def write_files(extra):
     """Write the files of an extra into the current folder; skipped without the libraries that make them."""
-    for module in EXTRAS[extra].modules if EXTRAS[extra].files else ():
+    for module in MODULES[extra]:
         pytest.importorskip(module)
-    for name in EXTRAS[extra].files:
+    for name in FILES[extra]:
         Path(name).write_bytes(SEEDS[name].make())
 
 
 @rows("extra", EXTRAS)
 def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    write_files(extra)
+    commands = [*(f"info {name}" for name in FILES.get(extra, ())), EXTRAS[extra][2]]
+    if extra in FILES:
+        write_files(extra)
     take_away(MODULES[extra], monkeypatch, tmp_path)
-    for command in (*(f"info {name}" for name in EXTRAS[extra].files), *EXTRAS[extra].commands):
+    for command in filter(None, commands):
         done = run(*shlex.split(command), code=2)
         assert done.stderr.strip().endswith(f"not installed: {cure(requirements(extra))}"), (command, done.stderr)
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("extra", [extra for extra, row in EXTRAS.items() if row.files])
+@rows("extra", FILES)
 def test_a_format_needs_only_the_libraries_of_its_extra(extra, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     write_files(extra)
     take_away(set().union(*MODULES.values()) - MODULES[extra], monkeypatch, tmp_path)
-    for name in EXTRAS[extra].files:
+    for name in FILES[extra]:
         assert len(al.read(name, **SEEDS[name].options)) >= 1
 
 

@@ -24,15 +24,11 @@ def test_what_is_said_of_a_term():
     fit = al.identify(record_of("N", "none", 4096, np.random.default_rng(1))[0])
     size = np.degrees(fit["N"].value)
     low, high = np.degrees(fit["N"].interval(0.95))
-    assert grid.codes_of(fit, "N", size) == ["in", "upper"]
-    assert grid.codes_of(fit, "N", 1.01 * high) == ["edge"]
-    assert grid.codes_of(fit, "N", 0.99 * low) == ["edge", "upper"]
-    assert grid.codes_of(fit, "N", 3 * size) == ["wrong"]
-    assert grid.codes_of(fit, "N", 0.0) == ["false"]
-    assert grid.codes_of(fit, "N", None) == ["either"]
-    assert grid.codes_of(fit, "K", 0.0) == ["none"]
-    assert grid.codes_of(fit, "K", 1e-9) == ["low", "upper"]
-    assert grid.codes_of(fit, "K", 1.0) == ["miss"]
+    for symbol, true, codes in (
+        ("N", size, "in upper"), ("N", 1.01 * high, "edge"), ("N", 0.99 * low, "edge upper"), ("N", 3 * size, "wrong"),
+        ("N", 0.0, "false"), ("N", None, "either"), ("K", 0.0, "none"), ("K", 1e-9, "low upper"), ("K", 1.0, "miss"),
+    ):  # fmt: skip
+        assert grid.codes_of(fit, symbol, true) == codes.split(), (symbol, true)
 
 
 def test_counts_are_written_and_read(tmp_path, monkeypatch):
@@ -61,9 +57,8 @@ def test_a_named_cell_has_a_cause_or_a_chance():
         assert row[-2:] == (words, f"{words[0]}: by chance {100 * scipy.stats.binom.sf(6, 100, rate):.2g} %")
 
 
-@rows(
-    "hits, of, others, among", [(0, 100, 11, 100), (0, 100, 14, 100), (50, 100, 25, 100), (9, 90, 4, 8), (0, 5, 0, 9)]
-)
+@rows("hits, of, others, among",
+      [(0, 100, 11, 100), (0, 100, 14, 100), (50, 100, 25, 100), (9, 90, 4, 8), (0, 5, 0, 9)])  # fmt: skip
 def test_a_share_has_moved_beyond_its_error(hits, of, others, among):
     p = scipy.stats.fisher_exact([[hits, of - hits], [others, among - others]]).pvalue
     assert moved(hits, of, others, among) == (p < 1e-4)

@@ -15,24 +15,20 @@ from tests.rows import rows
 import allanite
 from allanite import kernels
 
-
-def all_kernels():
-    """{name: kernel} of every module."""
-    for module in pkgutil.iter_modules(kernels.__path__):
-        home = importlib.import_module(f"{kernels.__name__}.{module.name}")
-        for name, value in vars(home).items():
-            if isinstance(value, Dispatcher) and value.py_func.__module__ == home.__name__:
-                yield f"{module.name}.{name}", value
-
-
-KERNELS = dict(all_kernels())
+HOMES = [
+    importlib.import_module(f"{kernels.__name__}.{module.name}") for module in pkgutil.iter_modules(kernels.__path__)
+]
+KERNELS = {
+    f"{home.__name__.rpartition('.')[2]}.{name}": value for home in HOMES for name, value in vars(home).items()
+    if isinstance(value, Dispatcher) and value.py_func.__module__ == home.__name__
+}  # fmt: skip
 
 
 def called(kernel):
     """The kernels that a kernel names."""
     function = kernel.py_func
-    found = (function.__globals__.get(name) for name in function.__code__.co_names)
-    return [one for one in found if isinstance(one, Dispatcher)]
+    named = (function.__globals__.get(name) for name in function.__code__.co_names)
+    return [value for value in named if isinstance(value, Dispatcher)]
 
 
 def reorders(kernel):
@@ -82,8 +78,7 @@ print(binned(c, np.array([0, 3, 10, 107, 1200, 5000])).tobytes().hex())
 
 @pytest.mark.slow("takes more than half a second")
 def test_compiled_and_loaded_code_give_the_same_bits(tmp_path):
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    command = [sys.executable, "-c", PROGRAM]
-    said = [subprocess.run(command, env=environment, capture_output=True, check=True).stdout for _ in range(2)]
-    assert said[0] == said[1]
+    command, environment = [sys.executable, "-c", PROGRAM], os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    first, again = (subprocess.run(command, env=environment, capture_output=True, check=True) for _ in range(2))
+    assert first.stdout == again.stdout
     assert list(tmp_path.rglob("*.nbc"))

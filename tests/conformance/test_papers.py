@@ -9,35 +9,20 @@ import shlex
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.conformance.papers import laser, sensors, stabilizer, theoh, torque, vertical
 from tests.conformance.papers.inputs import COMMANDS, WRITTEN
-from tests.conformance.papers.rows import number
-from tests.rows import rows
+from tests.rows import refused, rows
 
-from allanite.cli import main
-from allanite.papers.paper import (
-    AGREES,
-    DRAWN,
-    MISSING,
-    PAPERS,
-    SHOWN,
-    VERDICTS,
-    Item,
-    compared,
-    number as cell_of,
-    paper,
-    verdict_on,
-)
+from allanite.papers import paper as papers
 
 MODULES = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
 
-SUFFIXES = {"--csv": "csv", "--coefficients": "csv", "--readings": "csv", "--json": "json", "--plot": "svg",
-            "--closeup": "svg"}  # fmt: skip
+SUFFIXES = {"--csv": ".csv", "--coefficients": ".csv", "--json": ".json"}
 """Options that write a file."""
 
 
-ROWS = [pytest.param(row, id=f"{paper} {row.item}") for paper, module in MODULES.items() for row in module.ROWS]
+ROWS = [pytest.param(row, id=f"{name} {row.item}") for name, module in MODULES.items() for row in module.ROWS]
 
 
 @pytest.fixture(scope="module")
@@ -46,49 +31,28 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(where)
         for command in COMMANDS:
-            run(f"{command}{'' if command.startswith('angle') else ' --quiet'}")
+            run(*shlex.split(command), *([] if command.startswith("angle") else ["--quiet"]), code=0)
         for name, write in WRITTEN.items():
             write(name)
         yield where
 
 
-def run(command, code=0):
-    words = shlex.split(command) if isinstance(command, str) else command
-    done = CliRunner().invoke(main, words)
-    assert done.exit_code == code, done.output
-    return done.stderr if code else done.stdout
-
-
-def parted(command):
-    """A command without the option that writes its result, and that option."""
-    *job, option, _ = ("", "", *shlex.split(command))
-    return (tuple(job[2:]), option) if option in SUFFIXES else (tuple(shlex.split(command)), "")
-
-
-def wanted():
-    """What is wanted of each job, so that it runs once: the options that write files, and the text where it is said."""
-    found = {}
-    for module in MODULES.values():
-        for row in module.ROWS:
-            for command in (row.command,) if isinstance(row.command, str) else row.command:
-                job, option = parted(command)
-                found.setdefault(job, set()).add(option)
-    return found
-
-
 @pytest.fixture(scope="module")
 def written(folder):
-    """The text of a job, or the file that an option of it writes."""
-    jobs, said = wanted(), {}
+    """The file that the last option of a command writes; commands that differ in it alone are one, and run once."""
+    options, names = {}, {}
+    for row in (row for module in MODULES.values() for row in module.ROWS):
+        for command in (row.command,) if isinstance(row.command, str) else row.command:
+            *job, option, _ = shlex.split(command)
+            options.setdefault(tuple(job), set()).add(option)
 
-    def write(command, code=0):
-        job, option = parted(command)
-        name = f"{list(jobs).index(job)}{option}"
-        if job not in said:
-            paths = [(o, f"{list(jobs).index(job)}{o}.{SUFFIXES[o]}") for o in sorted(jobs[job] - {""})]
-            quiet = () if "" in jobs[job] or "simulate" in job else ("--quiet",)
-            said[job] = run([*job, *(word for path in paths for word in path), *quiet], code)
-        return folder / f"{name}.{SUFFIXES[option]}" if option else said[job]
+    def write(command):
+        *job, option, _ = shlex.split(command)
+        job = tuple(job)
+        if job not in names:
+            names[job] = {o: f"{len(names)}{o}{SUFFIXES[o]}" for o in sorted(options[job])}
+            run(*job, *(word for pair in names[job].items() for word in pair), "--quiet", code=0)
+        return folder / names[job][option]
 
     return write
 
@@ -98,7 +62,7 @@ def written(folder):
 def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, row):
     cells = (row.cells,) if isinstance(row.cells, str) else row.cells
     commands = (row.command,) * len(cells) if isinstance(row.command, str) else row.command
-    found = row.read(*(number(written(command), cell) for command, cell in zip(commands, cells, strict=True)))
+    found = row.read(*(papers.number(written(command), cell) for command, cell in zip(commands, cells, strict=True)))
     published = row.published() if callable(row.published) else row.published
     near = pytest.approx(published, rel=row.tolerance, abs=row.tolerance if published == 0 else None)
     assert (found == near) is not row.wrong
@@ -106,7 +70,7 @@ def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, ro
         assert found == pytest.approx(row.ours, rel=0.01)
 
 
-ITEMS = [item for name in PAPERS for item in paper(name).items]
+ITEMS = [item for name in papers.PAPERS for item in papers.paper(name).items]
 """Every table, figure and claim of the papers: it has a verdict, and a reason where ours differs."""
 
 WIDTHS = (32, 16, 36)
@@ -116,11 +80,13 @@ WIDTHS = (32, 16, 36)
 def test_items_of_papers_are_complete():
     for item in ITEMS:
         read = any(": " in place for place in item.here)
-        assert item.verdict in ("", *VERDICTS), item
-        assert item.why or item.tolerance or item.verdict in ("", AGREES), item
+        assert item.verdict in ("", *papers.VERDICTS), item
+        assert item.why or item.tolerance or item.verdict in ("", papers.AGREES), item
         assert read == bool(item.numbers or item.ours), f"numbers that nothing is compared with: {item}"
-        assert read or not item.here or item.verdict in ("", DRAWN, SHOWN), f"a verdict that cannot fail: {item}"
-        assert item.here or item.verdict in (SHOWN, MISSING), f"a verdict that cannot fail: {item}"
+        assert read or not item.here or item.verdict in ("", papers.DRAWN, papers.SHOWN), (
+            f"a verdict that cannot fail: {item}"
+        )
+        assert item.here or item.verdict in (papers.SHOWN, papers.MISSING), f"a verdict that cannot fail: {item}"
         assert not item.numbers or item.paper or item.source, item
         assert not item.source or item.numbers, f"a source without its number: {item}"
 
@@ -128,10 +94,10 @@ def test_items_of_papers_are_complete():
 def test_every_verdict_turns_with_each_of_its_numbers():
     for item in ITEMS:
         right = list(item.ours or item.numbers)
-        assert not right or verdict_on(item, right)[1], item
+        assert not right or papers.verdict_on(item, right)[1], item
         for at, each in enumerate(right):
             planted = [*right[:at], each + 2 * (item.tolerance + 0.01) * (abs(each) or 1), *right[at + 1 :]]
-            assert not verdict_on(item, planted)[1], f"{item}: {planted} changes nothing"
+            assert not papers.verdict_on(item, planted)[1], f"{item}: {planted} changes nothing"
 
 
 def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
@@ -146,10 +112,10 @@ def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
               ("ratio", (7, 7, 3, 4), (1, 3 / 4)), ("mu", (7, 3), (-0.74,)), ("flatness", (3, 4, 7), (4 * 9 / 49,)))),
     ):  # fmt: skip
         given = {"here": ("a.csv: value",), "tolerance": 0.01} | more
-        found = compared(Item("eq. 1", "a claim", "7", **given), tmp_path)
+        found = papers.compared(papers.Item("eq. 1", "a claim", "7", **given), tmp_path)
         assert found.expected is verdict, more
-    with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
-        compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
+    absent = papers.Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",))
+    refused(LookupError, r"a\.csv has no row value=9", lambda: papers.compared(absent, tmp_path))
 
 
 def test_a_cell_is_a_quantile_of_the_scatter_of_groups(tmp_path):
@@ -157,15 +123,12 @@ def test_a_cell_is_a_quantile_of_the_scatter_of_groups(tmp_path):
     (tmp_path / "a.csv").write_text("rate\n" + "\n".join(map(repr, rates.tolist())), "utf-8")
     scatters = np.sort(rates.reshape(5, 4, 3).mean(axis=2).std(axis=1, ddof=1))
     for share, at in ((0, 0), (0.5, 2), (1, 4)):
-        assert cell_of(tmp_path / "a.csv", f"{share} of 4 of 3 of rate") == pytest.approx(scatters[at])
+        assert papers.number(tmp_path / "a.csv", f"{share} of 4 of 3 of rate") == pytest.approx(scatters[at])
 
 
 def test_a_line_of_the_first_screen_is_not_too_wide():
     for item in ITEMS:
-        verdict = item.verdict or (AGREES if item.numbers else DRAWN)
-        shown = (
-            f"{item.item}: {item.claim}",
-            item.paper or item.source,
-            f"{verdict}: {re.split('[:;] ', item.why)[0]}",
-        )
+        verdict = item.verdict or (papers.AGREES if item.numbers else papers.DRAWN)
+        first_clause = re.split("[:;] ", item.why)[0]
+        shown = (f"{item.item}: {item.claim}", item.paper or item.source, f"{verdict}: {first_clause}")
         assert [(text, most) for text, most in zip(shown, WIDTHS, strict=True) if len(text) > most] == [], item.item

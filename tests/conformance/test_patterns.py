@@ -5,6 +5,7 @@ The patterns are found in the source, with the methods that each is called by.
 """
 
 import ast
+import contextlib
 import importlib
 import re
 import signal
@@ -47,27 +48,18 @@ def called(tree):
             yield owner.id if isinstance(owner, ast.Name) else owner.attr, node.func.attr
 
 
-def compiled(module):
-    """(name, pattern) of each pattern that a module holds: the name of a constant, or of a field of its values."""
-    for name, value in vars(module).items():
-        yield from within(value, name)
-
-
 def within(value, name):
+    """(name, pattern) of each pattern that a value holds: the name of the value, or of a field in it."""
+    named = "_fields" if isinstance(value, tuple) else "__dataclass_fields__"
+    fields = () if isinstance(value, type) else getattr(value, named, ())
     if isinstance(value, re.Pattern):
         yield name, value
-    elif isinstance(value, dict):
-        for part in value.values():
-            yield from within(part, name)
-    elif isinstance(value, tuple) and hasattr(value, "_fields"):
-        for field in value._fields:
-            yield from within(getattr(value, field), field)
-    elif isinstance(value, (list, tuple)):
-        for part in value:
-            yield from within(part, name)
-    elif hasattr(value, "__dataclass_fields__") and not isinstance(value, type):
-        for field in value.__dataclass_fields__:
+    elif fields:
+        for field in fields:
             yield from within(getattr(value, field, None), field)
+    elif isinstance(value, dict | list | tuple):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from within(part, name)
 
 
 def used():
@@ -85,10 +77,9 @@ def used():
                 for where in (place, ""):
                     calls.setdefault((where, what), {})[method] = None  # a set in order: workers collect the same tests
         if "re.compile" in text:
-            try:
-                held += [(place, *pair) for pair in compiled(importlib.import_module(f"allanite.{place}"))]
-            except ModuleNotFoundError:  # the library of an extra
-                continue
+            with contextlib.suppress(ModuleNotFoundError):  # the library of an extra
+                values = vars(importlib.import_module(f"allanite.{place}"))
+                held += [(place, *pair) for name, value in values.items() for pair in within(value, name)]
     for place, name, pattern in held:
         for method in calls.get((place, name)) or calls.get(("", name)) or METHODS:
             found.setdefault((pattern, method), f"{place}:{name}")
@@ -98,11 +89,10 @@ def used():
 def apply(pattern, method, text):
     if method == "sub":
         pattern.sub(b"" if isinstance(text, bytes) else "", text)
-    elif method == "finditer":
-        for _ in pattern.finditer(text):
-            pass
     else:
-        getattr(pattern, method)(text)
+        result = getattr(pattern, method)(text)
+        if method == "finditer":
+            list(result)
 
 
 def texts(pattern):
@@ -119,25 +109,23 @@ def late(*_):
 
 @pytest.fixture
 def limited():
-    """A call that ends with an error if it takes too long."""
-
-    def call(pattern, method, text):
-        signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
-        try:
-            apply(pattern, method, text)
-        except TimeoutError:
-            pytest.fail(f"{pattern.pattern!r}.{method} takes longer than {SECONDS} s for text like {text[:12]!r}")
-        finally:
-            signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-
+    """A call ends with an error if it takes too long."""
     before = signal.signal(signal.SIGVTALRM, late)
-    yield call
+    yield
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0)
     signal.signal(signal.SIGVTALRM, before)
 
 
 @pytest.mark.nightly("every pattern with every hostile text")
-def test_it_takes_linear_time(limited, subtests):
+@pytest.mark.usefixtures("limited")
+def test_it_takes_linear_time(subtests):
     for (pattern, method), place in used().items():
         with subtests.test(place):
             for text in texts(pattern):
-                limited(pattern, method, text)
+                signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
+                try:
+                    apply(pattern, method, text)
+                except TimeoutError:
+                    pytest.fail(
+                        f"{pattern.pattern!r}.{method} takes longer than {SECONDS} s for text like {text[:12]!r}"
+                    )

@@ -3,6 +3,7 @@
 from table import Page
 
 import functools
+from itertools import chain, product
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from tests.reference.laws import LAWS, STRUCTURES, exact_edf
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.statistics import edf
+from allanite.statistics import STATISTICS, edf
 from allanite.statistics.confidence.bias import published_bias
 from allanite.statistics.confidence.powerlaw import symbol_of
 
@@ -45,54 +46,48 @@ FORMULAS = {
 }
 
 
+def inside(name, ranges):
+    """Averaging factors of the ranges, by their label, that the statistic allows."""
+    most = STATISTICS[name].largest(SIZE)
+    return {label: [m for m in factors if m <= most] for label, factors in ranges.items()}
+
+
 @rows("heading", [name for name in FORMULAS if not name.startswith("Older")])
 def test_the_package_has_the_same_formulas(heading):
     name, formula, alphas, ranges = FORMULAS[heading]
-    row = al.statistics.STATISTICS[name]
-    for alpha in alphas:
-        for m in sorted({m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)}):
-            for size in (SIZE, 5 * SIZE):
-                assert row.published_edf(alpha, m, size + 1) == pytest.approx(formula(alpha, m, size + 1), rel=1e-9)
+    for alpha, m, size in product(alphas, chain(*inside(name, ranges).values()), (SIZE + 1, 5 * SIZE + 1)):
+        assert STATISTICS[name].published_edf(alpha, m, size) == pytest.approx(formula(alpha, m, size), rel=1e-9)
 
 
 @functools.cache
 def exact(name, alpha, m):
-    return exact_edf(al.statistics.STATISTICS[name], alpha, m, SIZE)
+    return exact_edf(STATISTICS[name], alpha, m, SIZE)
 
 
-def errors(heading, alpha):
-    """Smallest and largest published / exact - 1 in %, by range of m."""
-    name, formula, _, ranges = FORMULAS[heading]
-    for label, factors in ranges.items():
-        inside = [m for m in factors if m <= al.statistics.STATISTICS[name].largest(SIZE)]
-        found = [100 * (formula(alpha, m, SIZE + 1) / exact(name, alpha, m) - 1) for m in inside]
-        yield label, (min(found), max(found))
-
-
-def page_rows(heading):
-    rows = PAGE.rows(heading + "\n")
-    return list(rows[0]), {row["noise"]: row for row in rows}
+def stated(cell):
+    """The smallest and the largest error in % that a cell of the page states."""
+    return [float(number) for number in cell.split(" .. ")]
 
 
 @pytest.mark.nightly("errors of formulas that are printed in books")
 @rows("heading", list(FORMULAS))
 def test_the_page_states_the_error_of_every_formula(heading):
-    _, _, alphas, ranges = FORMULAS[heading]
-    headings, rows = page_rows(heading)
-    assert headings == ["noise", *(f"m = {label}" for label in ranges)]
-    assert list(rows) == [NAMES[alpha] for alpha in alphas]
-    for alpha in alphas:
-        for label, found in errors(heading, alpha):
-            stated = [float(number) for number in rows[NAMES[alpha]][f"m = {label}"].split(" .. ")]
-            assert stated == pytest.approx(found, abs=0.51)  # rounded to whole percents
+    name, formula, alphas, ranges = FORMULAS[heading]
+    rows = PAGE.rows(heading + "\n")
+    assert list(rows[0]) == ["noise", *(f"m = {label}" for label in ranges)]
+    for alpha, row in zip(alphas, rows, strict=True):
+        assert row["noise"] == NAMES[alpha]
+        for label, factors in inside(name, ranges).items():
+            found = [100 * (formula(alpha, m, SIZE + 1) / exact(name, alpha, m) - 1) for m in factors]
+            # rounded to whole percents
+            assert stated(row[f"m = {label}"]) == pytest.approx([min(found), max(found)], abs=0.51)
 
 
 @pytest.mark.slow("seconds of analyses")
 @rows("heading", list(FORMULAS))
 def test_the_package_has_the_exact_values(heading):
     name, _, alphas, ranges = FORMULAS[heading]
-    row = al.statistics.STATISTICS[name]
-    factors = [m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)]
+    row, factors = STATISTICS[name], [*chain(*inside(name, ranges).values())]
     for alpha in set(alphas) & {2, 0, -1, -2}:
         found = edf(row, model_of({symbol_of(alpha): 1.0}), np.array(factors), SIZE, 1.0)
         # as `edf` promises: windows are thinned out where they are many
@@ -158,53 +153,42 @@ def test_table_2_is_an_integral(alpha, d):
     assert published.GR_TABLE_2[alpha][d - 1] == pytest.approx((a0, a1), abs=6e-4)
 
 
-def test_flicker_at_one_sample_needs_its_square():
-    """A copy of the older form that leaves it out gives 0.9 degrees of freedom where there are 225."""
+def test_flicker_at_one_sample_needs_its_square_and_theo1_of_random_walk_turns_negative():
+    """A copy of the older form that leaves the square out gives 0.9 degrees of freedom where there are 225."""
     assert published.overlapped_allan(-1, 1, 257) == pytest.approx(exact("oadev", -1, 1), rel=0.02)
-
-
-def test_theo1_of_random_walk_turns_negative():
     assert published.theo1(-2, 240, 257) < 0 < exact("theo1", -2, 240)
 
 
 # bias
 
-PUBLISHED_BIAS = {name: row.published for name, row in al.statistics.STATISTICS.items() if row.published}
-BIAS_RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128)}
-BIAS_RANGES["beyond n/2"] = (160, 192, 240)
-BIASED = [
-    (name, alpha) for name in ("totdev", "mtotdev", "htotdev", "theo1") for alpha in PUBLISHED_BIAS[name].coefficients
-]
+PUBLISHED_BIAS = {name: row.published for name, row in STATISTICS.items() if row.published}
+BIAS_RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128),
+               "beyond n/2": (160, 192, 240)}  # fmt: skip
+BIASED = [(name, alpha) for name in ("totdev", "mtotdev", "htotdev", "theo1")
+          for alpha in PUBLISHED_BIAS[name].coefficients]  # fmt: skip
 
 
 def exact_bias(name, alpha, m):
     """E[estimate] / E[target]; the target of Theo1 and of the total deviation is the Allan variance at any tau."""
-    row, law = al.statistics.STATISTICS[name], LAWS[alpha]
+    row, law = STATISTICS[name], LAWS[alpha]
     expected = moments(quadratic_form(row, m, SIZE), [law])[0][0]
     if row.target != "oadev":
-        return expected / moments(quadratic_form(al.statistics.STATISTICS[row.target], m, SIZE), [law])[0][0]
+        return expected / moments(quadratic_form(STATISTICS[row.target], m, SIZE), [law])[0][0]
     t = np.array([1.0, 2.0]) * m * row.tau_factor
     D = STRUCTURES[alpha](t)
     return expected / ((4 * D[0] - D[1]) / (2 * t[0] ** 2))
-
-
-def errors_of_bias(name, alpha):
-    """Smallest and largest published / exact - 1 in % for each range of m; None where none is defined."""
-    row = al.statistics.STATISTICS[name]
-    for factors in BIAS_RANGES.values():
-        m = [k for k in factors if k <= row.largest(SIZE) and (name != "theo1" or k >= 10)]
-        found = [100 * (published_bias(row, alpha, np.array([k]), SIZE)[0] / exact_bias(name, alpha, k) - 1) for k in m]
-        yield (min(found), max(found)) if found else None
 
 
 @pytest.mark.nightly("errors of formulas that are printed in books")
 @rows("name, alpha", BIASED)
 def test_the_page_states_the_error_of_every_factor(name, alpha):
     (row,) = (row for row in PAGE.rows("Bias") if (row["statistic"], row["noise"]) == (name, NAMES[alpha]))
-    for cell, found in zip(list(row.values())[2:], errors_of_bias(name, alpha), strict=True):
-        assert (cell == "-") == (found is None)
-        if found:
-            assert [float(number) for number in cell.split(" .. ")] == pytest.approx(found, abs=0.051)
+    for cell, factors in zip(list(row.values())[2:], inside(name, BIAS_RANGES).values(), strict=True):
+        m = np.array([k for k in factors if name != "theo1" or k >= 10], dtype=int)
+        factor = published_bias(STATISTICS[name], alpha, m, SIZE) if m.size else m
+        found = [100 * (one / exact_bias(name, alpha, k) - 1) for one, k in zip(factor, m.tolist(), strict=True)]
+        assert (cell == "-") == (not found)
+        assert not found or stated(cell) == pytest.approx([min(found), max(found)], abs=0.051)
 
 
 def test_what_is_not_published():
@@ -213,15 +197,17 @@ def test_what_is_not_published():
     assert exact_bias("htotdev", 2, 64) == pytest.approx(1.38, abs=0.005)
     for name, alpha in (("totdev", 2), ("htotdev", 1), ("theo1", -3)):
         with pytest.raises(al.UsageError):
-            published_bias(al.statistics.STATISTICS[name], alpha, np.array([4, 8]), SIZE)
+            published_bias(STATISTICS[name], alpha, np.array([4, 8]), SIZE)
 
 
 def test_every_tau_may_have_its_own_noise_and_other_rows_have_no_bias():
     alphas, m = np.array([2, 0, -2]), np.array([2, 4, 8])
-    for name in set(al.statistics.STATISTICS) - set(PUBLISHED_BIAS):
-        np.testing.assert_array_equal(published_bias(al.statistics.STATISTICS[name], alphas, m, SIZE), 1.0, name)
-    assert published_bias(al.statistics.STATISTICS["ttotdev"], alphas, m, SIZE).tolist() == [0.94, 0.73, 0.69]
-    assert published_bias(al.statistics.STATISTICS["htotdev"], -1, np.array([1, 2]), SIZE).tolist() == [1.0, 0.851]
+    for name in set(STATISTICS) - set(PUBLISHED_BIAS):
+        np.testing.assert_array_equal(published_bias(STATISTICS[name], alphas, m, SIZE), 1.0, name)
+    for name in ("mtotdev", "ttotdev"):
+        assert published_bias(STATISTICS[name], alphas, m, SIZE).tolist() == [0.94, 0.73, 0.69]
+    alphas, m = np.array([-1, -1, 0]), np.array([1, 2, 10])
+    assert published_bias(STATISTICS["htotdev"], alphas, m, SIZE).tolist() == [1.0, 0.851, 0.995]
 
 
 def test_the_argument_of_theo1_is_tau_and_not_m():
@@ -231,20 +217,3 @@ def test_the_argument_of_theo1_is_tau_and_not_m():
         for m in (10, 16, 64, 256):
             wrong[alpha, m] = row.factor(c, np.array([m / 0.75]), SIZE)[0] / exact_bias("theo1", alpha, m) - 1
     assert max(map(abs, wrong.values())) == pytest.approx(0.15, abs=0.005)
-
-
-def test_the_published_tables_follow():
-    """SP 1065 quotes the 1000-point set with the factors of white noise taken out; within a unit of its last digit."""
-    record = al.Record(lcg(), rate=1.0, unit="1", kind="rate")
-    for name, printed in (("mtotdev", [0.06499161, 0.02287774]), ("htotdev", [0.09614787, 0.03058103])):
-        curve = al.deviation(record, name, m=[10, 100])
-        factor = published_bias(al.statistics.STATISTICS[name], 0, curve.m, record.size)
-        assert np.sqrt(curve.variance / factor) == pytest.approx(printed, abs=1e-8)
-
-
-def lcg():
-    n, values = 1234567890, []
-    for _ in range(1000):
-        values.append(n / 2147483647)
-        n = 16807 * n % 2147483647
-    return np.array(values)

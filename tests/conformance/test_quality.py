@@ -1,6 +1,6 @@
 """Faults planted in simulated records are named; clean records are let through."""
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 import pytest
@@ -11,13 +11,13 @@ import allanite as al
 from allanite.prepare import inspect
 
 RATE, SIZE = 100.0, 2**17
+TIME = np.arange(SIZE) / RATE
 SENSORS = {
-    "MEMS": al.sensor("mems"),
-    "FOG": al.Q(0.4, "arcsec") + al.N(3, "deg/h*sqrt(s)") + al.B(1, "deg/h") + al.K(0.09, "deg/h/sqrt(s)"),
-    "RLG": al.sensor("rlg"),
-    "ramp": al.N(3, "deg/h*sqrt(s)") + al.R(0.02, "deg/h/s"),
-    "walk": al.N(3, "deg/h*sqrt(s)") + al.K(1.0, "deg/h/sqrt(s)"),
-}
+    "MEMS": al.sensor("mems"), "RLG": al.sensor("rlg"),
+    "FOG": al.Model("Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s)"),
+    "ramp": al.Model("N 3 deg/h*sqrt(s), R 0.02 deg/h/s"),
+    "walk": al.Model("N 3 deg/h*sqrt(s), K 1 deg/h/sqrt(s)"),
+}  # fmt: skip
 
 
 @lru_cache(maxsize=10)
@@ -25,11 +25,10 @@ def simulated(sensor, seed):
     return al.simulate(SENSORS[sensor], SIZE, RATE, rng=np.random.default_rng(seed)).values
 
 
-def inspected(sensor, seed, fault=None):
+def inspected(sensor, seed, fault=lambda y, rng: None):
     """A record, in which a fault is planted, inspected."""
     y = simulated(sensor, seed).copy()
-    if fault:
-        fault(y, np.random.default_rng(seed))
+    fault(y, np.random.default_rng(seed))
     return inspect(al.Record(y, RATE, "rad/s"))
 
 
@@ -55,12 +54,12 @@ def spikes(y, rng):
 
 
 def line(y, rng):
-    y += 0.5 * sigma(y) * np.sin(2 * np.pi * 13.0 * np.arange(SIZE) / RATE + rng.uniform(0, 6))
+    y += 0.5 * sigma(y) * np.sin(2 * np.pi * 13.0 * TIME + rng.uniform(0, 6))
 
 
 def motion(y, rng):
     last = SIZE // 20
-    y[-last:] += 300 * sigma(y) * np.sin(2 * np.pi * 0.7 * np.arange(last) / RATE)
+    y[-last:] += 300 * sigma(y) * np.sin(2 * np.pi * 0.7 * TIME[:last])
 
 
 def level(y, rng):
@@ -68,19 +67,13 @@ def level(y, rng):
     y[half:] = y[half] + 2 * (y[half:] - y[half])
 
 
-def coarse(y, rng):
-    step = 1.2 * sigma(y)
-    y[:] = np.rint(y / step) * step
-
-
-def undithered(y, rng):
-    step = 8 * sigma(y)
-    y[:] = np.rint((y + 3.4 * step) / step) * step
+def rounded(y, rng, size=1.2, shift=0.0):
+    step = size * sigma(y)
+    y[:] = np.rint(y / step + shift) * step
 
 
 def held(y, rng):
-    k = np.arange(SIZE)
-    y[:] = y[np.minimum(k * 9 // 10 + rng.integers(0, 10), SIZE - 1)]
+    y[:] = y[np.minimum(np.arange(SIZE) * 9 // 10 + rng.integers(0, 10), SIZE - 1)]
 
 
 def interpolated(y, rng):
@@ -90,7 +83,8 @@ def interpolated(y, rng):
 
 FAULTS = {
     "resampled": held, "resampled, linear": interpolated, "gaps": gaps, "stuck": stuck, "clipped": clip,
-    "outliers": spikes, "lines": line, "moving": motion, "level": level, "quantized": coarse, "no dither": undithered,
+    "outliers": spikes, "lines": line, "moving": motion, "level": level, "quantized": rounded,
+    "no dither": partial(rounded, size=8, shift=3.4),
 }  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from tests.reference.dense import moments, quadratic_form
 from tests.rows import paired, rows
 
 import allanite as al
+from allanite.statistics import STATISTICS
 from allanite.statistics.moments import folded
 from allanite.statistics.moments.compact import compact, products, ratios
 from allanite.statistics.moments.windowed import relative, response
@@ -29,7 +30,8 @@ def shares_of(E):
     halves = np.array([np.bincount(pair, minlength=5) / 2 for pair in PAIRS])
     mixtures = np.random.default_rng(1).dirichlet(np.full(5, 0.5), 60)
     p = np.vstack((single, halves, mixtures[mixtures[:, 4] < 0.9])) * (E != 0)
-    return p[p.sum(axis=1) > 0.1] / p[p.sum(axis=1) > 0.1].sum(axis=1, keepdims=True)
+    p = p[p.sum(axis=1) > 0.1]
+    return p / p.sum(axis=1, keepdims=True)
 
 
 def degrees(p, r):
@@ -44,25 +46,23 @@ def found(row, m, n, terms=TERMS):
 FACTORS = [1, 2, 3, 8, 16, 17, 21, 22, 25, 33, 42, 64, 66, 70, 90, 99, 100, 128, 150, 170, 199, 200]
 
 
-def cases():
-    for name in ROWS:
-        row = al.statistics.STATISTICS[name]
-        for n, factors in ((128, FACTORS[::2]), (200, FACTORS[1::2])):
-            largest = row.largest(n)
-            for m in sorted({*factors, largest - row.step, largest}):
-                if m <= largest and m % row.step == 0:
-                    yield name, n, m
-
-
-@rows("name, n, m", list(cases()))
-def test_moments_equal_the_full_matrix(name, n, m):
-    row = al.statistics.STATISTICS[name]
-    E, r = moments(quadratic_form(row, m, n), TERMS)
-    expected, ours = found(row, m, n)
-    np.testing.assert_allclose(expected[:4], E[:4], rtol=1e-9 if m <= 64 else 1e-6)
-    np.testing.assert_allclose(expected[4], E[4], rtol=1e-6 if m > 64 else 1e-8)  # the ramp's squares reach n^4
+def as_the_full_matrix(name, n, m, rel, of_ramp):
+    """The expectation, and the degrees of freedom of many mixtures."""
+    E, r = moments(quadratic_form(STATISTICS[name], m, n), TERMS)
+    expected, ours = found(STATISTICS[name], m, n)
+    np.testing.assert_allclose(expected[:4], E[:4], rtol=rel)
+    np.testing.assert_allclose(expected[4], E[4], rtol=of_ramp)
     p = shares_of(E)
     np.testing.assert_allclose(degrees(p, ours), degrees(p, r), rtol=0.006)
+
+
+@rows("name", ROWS)
+@rows("n, factors", [(128, FACTORS[::2]), (200, FACTORS[1::2])])
+def test_moments_equal_the_full_matrix(name, n, factors):
+    step, largest = STATISTICS[name].step, STATISTICS[name].largest(n)
+    for m in sorted({*factors, largest - step, largest}):
+        if m <= largest and m % step == 0:  # the ramp's squares reach n^4
+            as_the_full_matrix(name, n, m, *((1e-9, 1e-8) if m <= 64 else (1e-6, 1e-6)))
 
 
 LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [171], "totdev": [255, 511]}
@@ -71,31 +71,7 @@ LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [
 @pytest.mark.slow("seconds of analyses")
 @rows("name, m", [(name, m) for name, factors in LONGER.items() for m in factors])
 def test_longer_windows(name, m):
-    row = al.statistics.STATISTICS[name]
-    E, r = moments(quadratic_form(row, m, 513), TERMS)
-    expected, ours = found(row, m, 513)
-    np.testing.assert_allclose(expected, E, rtol=3e-6)
-    p = shares_of(E)
-    np.testing.assert_allclose(degrees(p, ours), degrees(p, r), rtol=0.006)
-
-
-SENSORS = {
-    "MEMS": (100.0, al.sensor("mems")), "FOG": (100.0, al.sensor("fog")),
-    "RLG, a sample a minute": (1 / 60, al.sensor("rlg")), "MEMS, a sample every 10 s": (0.1, al.sensor("mems")),
-}  # fmt: skip
-
-
-@rows("sensor, name", paired(list(SENSORS), ROWS))
-def test_sensors(name, sensor):
-    row, (rate, model) = al.statistics.STATISTICS[name], SENSORS[sensor]
-    terms = [t.row for t in model]
-    power = np.array([t.value**2 * rate ** (2 * t.row.power - 2) for t in model])
-    for m in (2, 24, 40, row.largest(160)):
-        E, r = moments(quadratic_form(row, m, 160), terms)
-        expected, ours = found(row, m, 160, terms)
-        assert power @ expected == pytest.approx(power @ E, rel=1e-6)
-        p = power * E / (power @ E)
-        assert 1 / (p @ ours @ p) == pytest.approx(1 / (p @ r @ p), rel=0.005)
+    as_the_full_matrix(name, 513, m, 3e-6, 3e-6)
 
 
 def markov(T):
@@ -110,10 +86,10 @@ def markov(T):
 
 @rows("T, name", paired([3.0, 20.0, 200.0], ROWS))
 def test_any_structure_function_will_do(name, T):
-    row, terms = al.statistics.STATISTICS[name], [markov(T), al.terms.TERMS["N"]]
+    terms = [markov(T), al.terms.TERMS["N"]]
     for m, n in ((2, 100), (30, 180), (80, 250)):
-        E, r = moments(quadratic_form(row, m, n), terms)
-        expected, ours = found(row, m, n, terms)
+        E, r = moments(quadratic_form(STATISTICS[name], m, n), terms)
+        expected, ours = found(STATISTICS[name], m, n, terms)
         np.testing.assert_allclose(expected, E, rtol=1e-4)
         np.testing.assert_allclose(ours, r, rtol=0.006)
 
@@ -139,31 +115,22 @@ WHITE_SPOTS = {("mtotdev", 1): 0.19711, ("mtotdev", 8): 0.06113, ("pdev", 1): 0.
 
 @rows("name, share", list(SPOTS))
 def test_ratios_of_infinitely_fine_windows(name, share):
-    m = 10_000_000
-    row = al.statistics.STATISTICS[name]
-    count = round(share * m)
-    r = relative(row, TERMS[:4], m, count, count if name == "totdev" else 10 * m)
+    m, count = 10_000_000, round(share * 10_000_000)
+    r = relative(STATISTICS[name], TERMS[:4], m, count, count if name == "totdev" else 10 * m)
     np.testing.assert_allclose(r[1:, 1:][np.triu_indices(3)], SPOTS[name, share], rtol=2e-3)
     if (name, share) in WHITE_SPOTS:
         assert r[0, 0] == pytest.approx(WHITE_SPOTS[name, share], rel=1e-3)
 
 
-@rows("m, name", paired([66, 96, 128], ["theo1", "mtotdev", "htotdev", "pdev"]))
+@rows("m, name", [*paired([66, 96, 128], ["theo1", "mtotdev", "htotdev", "pdev"]),
+                  *((m, "totdev") for m in (20, 45, 64))])  # fmt: skip
 def test_an_hour_at_1_khz_against_windows_as_they_are(name, m):
-    row = al.statistics.STATISTICS[name]
+    row, total = STATISTICS[name], name == "totdev"
     count = int(row.count(HOUR, np.array([m]))[0])
-    direct = ratios(*products(compact(row.window, row.order, m), TERMS, row.order, 1.0, count), TERMS)
-    ours = relative(row, TERMS, m, count, HOUR)
-    p = shares_of(response(row, TERMS, m, HOUR))
-    np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
-
-
-@rows("m", [20, 45, 64])
-def test_an_hour_at_1_khz_of_the_total_deviation(m):
-    direct = ratios(*folded._products(TERMS, m, HOUR, 1.0), TERMS)
-    ours = folded.relative(TERMS, m, HOUR)
-    p = shares_of(np.ones(5))
-    np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
+    windows = () if total else (compact(row.window, row.order, m), TERMS, row.order, 1.0, count)
+    direct = ratios(*(folded._products(TERMS, m, HOUR, 1.0) if total else products(*windows)), TERMS)
+    p = shares_of(np.ones(5) if total else response(row, TERMS, m, HOUR))
+    np.testing.assert_allclose(degrees(p, relative(row, TERMS, m, count, HOUR)), degrees(p, direct), rtol=0.006)
 
 
 @rows("n", [20, 31, 60, 89])
@@ -171,27 +138,26 @@ def test_white_angle_noise_in_the_total_deviation_is_a_whole_number(n):
     for m in range(1, n):
         if abs(2 * m - n) <= 2 or abs(3 * m - 2 * n) <= 6:
             continue
-        E, r = moments(quadratic_form(al.statistics.STATISTICS["totdev"], m, n), TERMS[:1])
+        E, r = moments(quadratic_form(STATISTICS["totdev"], m, n), TERMS[:1])
         assert folded.white_mean(m, n) == pytest.approx(E[0] * 2 * m**2 * (n - 1), rel=1e-12)
         assert folded.white_ratio(m, n) == pytest.approx(r[0, 0], rel=1e-12)
 
 
 def test_theo1_closed_forms():
-    row = al.statistics.STATISTICS["theo1"]
     for m in (2, 10, 64, 1000, 1_000_000):
         M, tau = m / 2, 0.75 * m
         H = float(np.sum(1 / np.arange(1.0, M + 1)))
         allan = np.array([3 / tau**2, 1 / tau, 2 * math.log(2) / math.pi, tau / 3, tau**2 / 2])
         ratio = np.array([1 / (H + 1 / m), 1.0, math.nan, 27 / (10 + 6 / M - 4 / M**2), 0.0])
         ratio[4] = 81 / 22 / (1 + 6 / (11 * M) - 5 / (11 * M**2))
-        measured = allan / response(row, TERMS, m, 10 * m)
+        measured = allan / response(STATISTICS["theo1"], TERMS, m, 10 * m)
         np.testing.assert_allclose(np.delete(measured, 2), np.delete(ratio, 2), rtol=1e-10)
     assert measured[2] == pytest.approx(3 / (3 - 2 * math.log(2)), rel=1e-5)
 
 
 def test_pdev_closed_forms():
     m = 1_000_000
-    E = response(al.statistics.STATISTICS["pdev"], TERMS, m, 10 * m) / np.array([1 / m**3, 1 / m, 1, m, m**2])
+    E = response(STATISTICS["pdev"], TERMS, m, 10 * m) / np.array([1 / m**3, 1 / m, 1, m, m**2])
     np.testing.assert_allclose(E, [12, 6 / 5, 2 * (7 - math.log(16)) / (5 * math.pi), 13 / 35, 1 / 2], rtol=3e-6)
 
 
@@ -199,22 +165,18 @@ def test_pdev_closed_forms():
 def test_bias_of_the_total_statistics(m):
     """Q, N, B, K: the exact factors of Greenhall's and Howe's tables; m >= 8 there."""
     mvar = np.array([3 / m**3, 1 / (2 * m), (27 / 16 * math.log(3) - math.log(4)) * 2 / math.pi, 11 / 40 * m])
-    factors = response(al.statistics.STATISTICS["mtotdev"], TERMS[:4], m, 10 * m) / mvar
-    np.testing.assert_allclose(factors, [0.995, 0.771, 0.717, 0.679], atol=8e-4)
-    np.testing.assert_allclose(
-        response(al.statistics.STATISTICS["ttotdev"], TERMS[:4], m, 10 * m), factors * mvar / 3, rtol=1e-12
-    )
     hvar = np.array([1 / m, math.log(256 / 27) / (2 * math.pi), m / 6])
-    factors = response(al.statistics.STATISTICS["htotdev"], TERMS[1:4], m, 10 * m) / hvar
-    np.testing.assert_allclose(factors, [0.995, 0.851, 0.771], atol=6e-4)
+    modified, time, hadamard = (response(STATISTICS[f"{x}totdev"], TERMS[:4], m, 10 * m) for x in "mth")
+    np.testing.assert_allclose(modified / mvar, [0.995, 0.771, 0.717, 0.679], atol=8e-4)
+    np.testing.assert_allclose(time, modified / 3, rtol=1e-12)
+    np.testing.assert_allclose(hadamard[1:] / hvar, [0.995, 0.851, 0.771], atol=6e-4)
 
 
 @rows("share", [1 / 64, 1 / 8, 1 / 2])
 def test_bias_of_the_total_deviation(share):
-    n = HOUR
-    m = int(n * share)
+    m = int(HOUR * share)
     allan = np.array([3 / m**2, 1 / m, 2 * math.log(2) / math.pi, m / 3])
-    factors = response(al.statistics.STATISTICS["totdev"], TERMS[:4], m, n) / allan
+    factors = response(STATISTICS["totdev"], TERMS[:4], m, HOUR) / allan
     slopes = np.array([-4 / 3, 0, 1 / (3 * math.log(2)), 3 / 4])
     np.testing.assert_allclose(factors, 1 - slopes * share, rtol=1e-5)
 
@@ -223,7 +185,7 @@ def test_bias_of_the_total_deviation(share):
 @given(data=st.data())
 @settings(max_examples=examples(60), deadline=None)
 def test_any_record_has_at_least_one_degree_of_freedom(name, data):
-    row = al.statistics.STATISTICS[name]
+    row = STATISTICS[name]
     n = int(10 ** data.draw(st.floats(1.1, 9)))
     m = max(row.step, int(row.largest(n) * 10 ** -data.draw(st.floats(0, 6))) // row.step * row.step)
     E, r = found(row, m, n)

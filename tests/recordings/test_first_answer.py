@@ -5,19 +5,15 @@ from table import read
 import math
 
 import pytest
+from tests import all_but
+from tests.recordings.test_every_recording import FILES, MPU
 from tests.rows import rows
 
 import allanite as al
-import recordings as script
 
-pytestmark = pytest.mark.slow("analyses of long recordings")
+pytestmark = [pytest.mark.slow("analyses of long recordings"), pytest.mark.usefixtures("analyzed_once")]
 
-GYROS = ("adis_16405_imu1.rda", "adis_16405_imu2.rda")
-OTHERS = (
-    ("mpu6050_static10min/mpu6050_gyroscope.mat", {"rate": 100.0, "unit": "deg/s"}),
-    ("mpu6050_static10min/mpu6050_accelerometer.mat", {"rate": 100.0, "unit": "g"}),
-    ("phone_gyro4.txt", {"unit": "rad/s"}),
-)
+OPTIONS = {file.name: file.options for file in FILES}
 
 
 def second(record):
@@ -35,19 +31,18 @@ def below_the_curve(channel):
     return 0.664 * flicker.value <= float(curve.to(channel.record.signal.unit).upper(0.95).min())
 
 
-@rows("name", GYROS)
+@rows("name", all_but(["adis_16405_imu1.rda", "adis_16405_imu2.rda"], ["adis_16405_imu2.rda"]))
 def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(recordings, name):
-    recipe = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
-    for channel in al.analyze(recordings / name, recipe).channels:
+    for channel in al.analyze(recordings / name, **OPTIONS[name]).channels[:3]:
         assert channel.noise.validity in ("explained", "approximate")  # the bias of some steps
         assert not channel.fit.scope.whole
         assert abs(channel.fit["N"].value / second(channel.record) - 1) < 0.03
         assert below_the_curve(channel)
 
 
-@rows("name, choices", OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
-def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
-    for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
+@rows("name", [f"{MPU}mpu6050_gyroscope.mat", f"{MPU}mpu6050_accelerometer.mat", "phone_gyro4.txt"])
+def test_other_sensors_at_rest_have_a_graded_answer(recordings, name):
+    for channel in al.analyze(recordings / name, **OPTIONS[name]):
         assert channel.noise.validity in ("explained", "approximate")
         assert math.isclose(channel.fit["N"].value, second(channel.record), rel_tol=0.1)
         assert below_the_curve(channel)
@@ -61,13 +56,13 @@ def test_a_swaying_gyroscope_has_no_result(recordings):
             assert sum(c.name == "resonance" and c.claimed for c in channel.fit.components) > 5
 
 
-@rows("name, choices", [row[:2] for row in script.RECORDINGS if row[2] == "adis16405"][:1])
-def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings, name, choices):
-    channel, every = "Gyro. X", read("recordings.md").rows("Data sheets")
-    rows = [row for row in every if (row["file"], row["channel"]) == (name, channel)]
-    found = al.comparison.compare_with_sheet(recordings / name, "adis16405", channels=(channel,), **choices)
-    measured = {m.claim.printed: m.ratio[0] for m in found.measured(found[channel])}
-    assert {row["quantity"]: pytest.approx(float(row["ratio"]), rel=0.01) for row in rows} == measured
+def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings):
+    name, channel = "adis_16405_imu1.rda", "Gyro. X"
+    table = [row for row in read("recordings.md").rows("Data sheets") if row["file"] == name]
+    printed = {row["quantity"]: float(row["ratio"]) for row in table if row["channel"] == channel}
+    beside = al.comparison.compare_with_sheet(recordings / name, "adis16405", **OPTIONS[name])
+    measured = {m.claim.printed: m.ratio[0] for m in beside.measured(beside[channel])}
+    assert measured == pytest.approx(printed, rel=0.01)
 
 
 DISPUTED = {

@@ -29,6 +29,7 @@ SCREENS = {
 
 
 @pytest.mark.slow("takes more than half a second")
+@pytest.mark.usefixtures("analyzed_once")
 @rows("line", thinned(SCREENS, 4))
 def test_the_first_screen_of_a_recording(recordings, line):
     verb, file, *rest = shlex.split(line)

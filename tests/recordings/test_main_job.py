@@ -1,6 +1,5 @@
 """The main job on real recordings: figures computed independently, and the words that must stand above the numbers."""
 
-import csv
 import json
 import lzma
 
@@ -11,47 +10,8 @@ from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.prepare import trim
 
-
-def reference(folder, file, channel):
-    """Octave overlapped deviations computed by others: m, deviation, unit."""
-    with (folder / "reference_oadev.csv").open() as table:
-        rows = [row for row in csv.DictReader(table) if (row["file"], row["channel"]) == (file, channel)]
-    return [int(r["m"]) for r in rows], np.array([float(r["oadev"]) for r in rows]), rows[0]["unit"]
-
-
-@pytest.fixture(scope="module")
-def laser(recordings):
-    return al.read(recordings / "psins_lasergyro.imu")
-
-
-FIRST = {"gx": 0.1, "gy": 0.1, "gz": 0.1, "ax": 125.0, "ay": 125.0, "az": 125.0}
-"""The row of scale factors: the reference took it for the first reading."""
-
-
-@rows("channel", list(FIRST))
-def test_laser_gyro_deviations(recordings, laser, channel):
-    m, deviation, unit = reference(recordings, "psins_lasergyro.imu", channel)
-    found = al.deviation(laser[channel], m=m).to(unit).deviation
-    # one reading more at the start of 184 718: a part in a thousand of a vibrating accelerometer at the longest times
-    np.testing.assert_allclose(found, deviation, rtol=2e-4 if channel[0] == "g" else 2e-2)
-    record = laser[channel]
-    theirs = np.concatenate(([FIRST[channel]], record.values)) * record.scale
-    same = al.Record(theirs, record.rate, record.unit, kind="increment")
-    np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
-
-
-@rows("channel", ["gx", "gy", "gz"])
-def test_laser_gyro_quiet_window(recordings, laser, channel):
-    m, deviation, unit = reference(recordings, "psins_lasergyro.imu[600-900s]", channel)
-    window = trim(laser, 600, 900)[channel]
-    assert window.size == 30_000
-    # their window begins one reading earlier, for the same reason
-    np.testing.assert_allclose(al.deviation(window, m=m).to(unit).deviation, deviation, rtol=3e-4)
-    values = laser[channel].values[59_999:89_999]
-    same = al.Record(values, 100.0, "arcsec", kind="count", scale=0.1)
-    np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
+pytestmark = pytest.mark.usefixtures("analyzed_once")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -82,24 +42,28 @@ def matrix(path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_filter_is_found_or_left_out(recordings, tmp_path):
-    np.save(tmp_path / "adis.npy", matrix(recordings / "adis_16405_imu1.rda")[:, :3])
-    recording = al.read(tmp_path / "adis.npy", rate=100.0, unit="deg/s", kind="rate")
-    for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
-        m, deviation, _ = reference(recordings, "adis_16405_imu1.rda", channel)
-        np.testing.assert_allclose(al.deviation(record, m=m).to("deg/s").deviation, deviation, rtol=2e-8)
-        plain = al.identify(record, band="all")
-        assert plain.validity == "unexplained"
-        assert "the spectrum rolls off" in plain.goodness.verdict
-        behind = al.identify(record)
-        assert behind.validity == "explained"
-        if channel == "gz":  # a resonance at 20 Hz hides how the filter begins
-            assert any(c.name == "resonance" and c.claimed for c in behind.components)
-            assert 29 < behind.scope.filter.cutoff < 38
-        else:
-            assert 35 < behind.scope.filter.cutoff < 38
-        below = al.identify(record, band=(0, 5))
-        at_one_second = al.deviation(record, m=[100]).deviation[0]
-        assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
-        assert behind["N"].value == pytest.approx(at_one_second, rel=0.03)
-        assert below["N"].status == "identified"
+def test_every_number_of_a_matrix_of_r_is_read(recordings):
+    path = recordings / "adis_16405_imu1.rda"
+    read = np.column_stack([channel.record.values for channel in al.analyze(path, unit="gyro=deg/s,accel=g")])
+    np.testing.assert_array_equal(read, matrix(path))
+    assert al.read(path, unit="g").channels == ("Accel. X", "Accel. Y", "Accel. Z")
+
+
+@pytest.mark.slow("takes more than half a second")
+@rows("name", all_but(["Gyro. X", "Gyro. Y", "Gyro. Z"], ["Gyro. X", "Gyro. Y"], "long records"))
+def test_a_filter_is_found_or_left_out(recordings, name):
+    channel = al.analyze(recordings / "adis_16405_imu1.rda", unit="gyro=deg/s,accel=g")[name]
+    plain = al.identify(channel.record, band="all")
+    assert plain.validity == "unexplained"
+    assert "the spectrum rolls off" in plain.goodness.verdict
+    behind, below = channel.fit, al.identify(channel.record, band=(0, 5))
+    assert behind.validity == "explained"
+    if name == "Gyro. Z":  # a resonance at 20 Hz hides how the filter begins
+        assert any(c.name == "resonance" and c.claimed for c in behind.components)
+        assert 29 < behind.scope.filter.cutoff < 38
+    else:
+        assert 35 < behind.scope.filter.cutoff < 38
+    at_one_second = al.deviation(channel.record, m=[100]).deviation[0]
+    assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
+    assert behind["N"].value == pytest.approx(at_one_second, rel=0.03)
+    assert below["N"].status == "identified"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 from tests import thinned
+from tests.recordings.test_every_recording import FILES
 from tests.rows import rows
 
 import allanite as al
@@ -15,22 +16,11 @@ from allanite.prepare.rounding import grid
 from allanite.statistics import expected
 from allanite.terms import TERMS
 
-MPU = "mpu6050_static10min/mpu6050_"
-ADIS = {"unit": "gyro=deg/s,accel=g"}
-FILES = [
-    *((f"adis_16405_imu{i}.rda", ADIS) for i in (1, 2, 3)),
-    ("aegiverse_fog_0917.txt", {"unit": "deg/h"}),
-    ("aegiverse_fpga_gyro_0802.txt", {"time": "1", "unit": "deg/s", "channels": ("2",)}),
-    ("cubeorange_sample_log_small.ulg", {}),
-    ("ig500n_milkytipo.txt", {"rate": 4.16, "unit": "deg/s", "channels": ("7", "8", "9")}),
-    ("imu_tk_xsens_gyro.mat", {"unit": "deg/s", "rate": 100.0, "until": 50.0}),
-    (MPU + "accelerometer.mat", {"time": "1", "unit": "g"}),
-    (MPU + "gyroscope.mat", {"time": "1", "unit": "deg/s"}),
-    (MPU + "temperature.mat", {"time": "1", "unit": "degC", "channels": ("2",)}),
-    ("phone_acc2.txt", {"unit": "m/s^2"}),
-    ("phone_gyro4.txt", {"unit": "rad/s"}),
-    ("xsens_mti_utbm_imu-test.bag", {}),
-]
+pytestmark = pytest.mark.usefixtures("analyzed_once")
+
+STILL = [file for file in FILES if file.code == 0 and not file.name.endswith(("compass.mat", ".imu", "idle.bag"))]
+"""Inertial sensors at rest."""
+
 FLAT, OUTSIDE, ROUNDED = 1.3, 1.5, 3.0
 STRAIGHT, BESIDE = 0.1, 1.1
 """Difference of the slope from -1/2; other noise has then a fifth of the variance at most, a tenth of the deviation."""
@@ -101,9 +91,9 @@ def outside_its_band(channel):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("name, choices", thinned(FILES, 3, "every recording"), ids=lambda x: str(x)[:24])
-def test_no_claim_is_contradicted(recordings, name, choices):
-    for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
+@rows("file", thinned(STILL, 3, "every recording"), ids=lambda file: file.name)
+def test_no_claim_is_contradicted(recordings, file):
+    for channel in al.analyze(recordings / file.name, **file.options):
         if channel.noise is None:
             continue
         who = channel.record.name

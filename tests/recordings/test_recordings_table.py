@@ -4,11 +4,9 @@ import re
 from typing import NamedTuple
 
 import pytest
-from tests import thinned
+from tests import all_but
 from tests.commands import run
 from tests.rows import rows
-
-from allanite.readers.formats.registry import READERS
 
 
 class Row(NamedTuple):
@@ -20,74 +18,58 @@ class Row(NamedTuple):
     code: int
     rate: float | None
     said: tuple[str, ...]
-    reader: str = "text"
 
 
-ASKED = (r"--unit UNIT", r"try: allanite info .* --time")
 LOG = "cubeorange_sample_log_small.ulg"
-ADIS = "--rate 100 --unit deg/s --channels 1,2,3"
 TABLE = [
     Row("psins_lasergyro.imu", "info", "", 0, 100.0, (
         r"rate 100\.0 Hz from the interval of 10 ms in the second header row",
         r"lines at 3\.08", r"lines at 2\.05",
         r"gz .* slope near -0\.8 at .* N is not meaningful here",
         r"is modulated at 25 Hz",  # the author made 8 ms into 10 ms
-    ), "psins"),
-    Row("psins_lasergyro.imu", "analyze", "--channels gz", 0, 100.0, (
-        r"slope near -0\.8 .* N is not meaningful here .* no model of these terms explains|"
-        r"no model of these terms explains .* slope near -0\.8 .* N is not meaningful here",
-    ), "psins"),
-    Row("psins_lasergyro.imu", "analyze", "--channels gx,gy,gz --from 600 --until 900", 0, 100.0,
-        (r"cut from 600 s to 900 s", r"300 s long"), "psins"),
+    )),
     Row("psins_lasergyro.imu", "rate", "--channels gz --no-times", 0, None, (
-        r"8\.357 ± 0\.068", r"use mean: in 15 intervals", r"regression +0\.217 +0\.646 +worse +1\.76 +1\.28 \.\. 2\.42",
-    ), "psins"),
+        r"mean +8\.3537778 ", r"use mean: in 15 intervals",
+        r"regression +0\.217 +0\.646 +worse +1\.76 +1\.28 \.\. 2\.42",
+    )),
     Row("phone_gyro4.txt", "info", "", 2, None, (r"unit is unknown", r"--unit UNIT", r"'column 3'")),
-    Row("adis_16405_imu1.rda", "info", "", 2, None, (r"unit is unknown", r"--unit gyro=UNIT,accel=g"), "r"),
-    Row("adis_16405_imu1.rda", "info", "--unit deg/s", 0, 100.0, (r"1000000 samples, 2\.78 h",), "r"),
-    Row("adis_16405_imu1.rda", "analyze", ADIS, 0, 100.0,
-        (r"explained \(goodness of fit", r"low-pass filtered: ", r"Q not observable: the filter hides"), "r"),
-    Row("adis_16405_imu2.rda", "info", ADIS, 0, 100.0, (r"fit for analysis",), "r"),
-    Row("imu_tk_xsens_gyro.mat", "info", "", 2, None, (*ASKED, r"--time 1", r"--rate HZ")),
+    Row("adis_16405_imu1.rda", "info", "", 2, None, (r"unit is unknown", r"--unit gyro=UNIT,accel=g")),
+    Row("imu_tk_xsens_gyro.mat", "info", "", 2, None,
+        (r"pass --rate HZ", r"try: allanite info .* --time 'column 1\[s\]' --unit UNIT")),
     Row("imu_tk_xsens_gyro.mat", "info", "--rate 100 --scale 0.01deg/s --until 50", 0, None, (r"rate in 0\.01 °/s",)),
     Row("imu_tk_xsens_gyro.mat", "info", "--dtype i2 --columns 3", 3, None,
         (r"not a multiple of the 6 bytes of a row",)),
-    Row(LOG, "info", "--channels sensor_gyro", 2, None, (r"sensor_gyro/2 \(6 rows at 1 Hz\)",), "ulog"),
-    Row(LOG, "info", "--channels sensor_gyro/1", 3, None, (r"6 samples are too few",), "ulog"),
+    Row(LOG, "info", "--channels sensor_gyro", 2, None, (r"sensor_gyro/2 \(6 rows at 1 Hz\)",)),
+    Row(LOG, "info", "--channels sensor_gyro/1", 3, None, (r"6 samples are too few",)),
     Row(LOG, "info", "--channels vehicle_imu/0", 3, None,
-        (r"covers 4\.888 ms of the 498\.6 ms between messages",), "ulog"),
+        (r"covers 4\.888 ms of the 498\.6 ms between messages",)),
     Row(LOG, "info", "--channels imu", 2, None,
-        (r"no table or column 'imu' in the file; it contains sensor_accel/0",), "ulog"),
+        (r"no table or column 'imu' in the file; it contains sensor_accel/0",)),
     Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --rate 100", 3, 100.0, (r"moves from 52 s .* --until 52 ",)),
     Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --time 1", 3, 100.01013,
         (r"moves from 5[12][\.\d]* s .* --until 51 ",)),
     Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --rate 100 --until 52", 0, 100.0,
         (r"cut from 0 s to 52 s", r"52 s long")),
     Row("imu_tk_xsens_gyro.mat", "analyze", "--unit deg/s --time 1 --until 52", 0, 100.01013, (r"angle random walk",)),
-    Row("aegiverse_fog_0917.txt", "info", "", 2, None, (r"'fog': the unit is unknown",)),
-    Row("aegiverse_fpga_gyro_0802.txt", "info", "", 2, None, (*ASKED, r"--time 'column 1\[s\]'")),
     Row("vn100_car_idle.bag", "info", "", 0, 40.000076, (
         r"samples of /imu of type sensor_stack/Vectornav \(2732 rows at 39.85 Hz\)",
         r"rad/s, m/s² by the definition",
         r"'header\.stamp' is used as the clock, of 4 candidates",
         r"'imu\.header\.stamp' repeats 97 % of its time stamps", r"'receive time' scatters by 100 %",
         r"spectral lines at 10, 18\.3, 19\.8 Hz", r"gx gyroscope, rate in rad/s, .* 2732 samples",
-    ), "bag"),
-    Row("vn100_car_idle.bag", "analyze", "--channels gx,gy", 0, 40.000076,
-        (r"no model of these terms explains", r"lines at 10, 18\.3, 19\.8 Hz contain 70 %"), "bag"),
-    Row("vn100_car_idle.bag", "info", "--channels /gnss", 2, None, (r"'HDOP', .*: the unit is unknown",), "bag"),
-    Row("vn100_car_idle.bag", "info", "--channels /imu/raw", 2, None, (r"no column 'raw'; columns: ",), "bag"),
+    )),
+    Row("vn100_car_idle.bag", "info", "--channels /gnss", 2, None, (r"'HDOP', .*: the unit is unknown",)),
+    Row("vn100_car_idle.bag", "info", "--channels /imu/raw", 2, None, (r"no column 'raw'; columns: ",)),
     Row("vn100_car_idle.bag", "info", "--channels /imus", 2, None,
         (r"no table or column '/imus' in the file; "
-         r"it contains .*/imu of type sensor_stack/Vectornav \(2732 rows",), "bag"),
+         r"it contains .*/imu of type sensor_stack/Vectornav \(2732 rows",)),
 ]  # fmt: skip
+LONG = [row for row in TABLE if row.verb != "info"]
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("row", thinned(TABLE, 6, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
+@rows("row", all_but(TABLE, LONG), ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
 def test_what_is_said_of_a_recording(recordings, row):
-    if row.reader not in READERS:
-        pytest.skip(f"no reader {row.reader!r}")
     result = run(row.verb, recordings / row.file, *row.options.split())
     said = " ".join((result.stdout + " " + result.stderr).split())
     assert result.exit_code == row.code, said

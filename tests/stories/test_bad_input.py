@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 
 OPTIONS = ["--rate", "100", "--unit", "deg/s"]
@@ -31,64 +31,28 @@ def spoilt(y, where, value):
     return y
 
 
-def csv_of(path, columns, header="gx"):
-    path.write_text(header + "\n" + "\n".join(",".join(map(repr, map(float, row))) for row in np.column_stack(columns)))
-
-
-def write_inputs(folder):
-    csv_of(folder / "one.csv", [noise()])
-    csv_of(folder / "nan.csv", [np.full(1000, np.nan)])
-    csv_of(folder / "constant.csv", [np.full(1000, 3.25)])
-    csv_of(folder / "short.csv", [noise(10)])
-    csv_of(folder / "brief.csv", [noise(199)])
-    csv_of(folder / "infinite.csv", [spoilt(noise(), slice(7, 9), np.inf)])
-    csv_of(folder / "lost.csv", [spoilt(noise(), slice(150, None), np.nan)])
-    csv_of(folder / "nearly.csv", [spoilt(noise(), slice(300, None), np.nan)])
-    csv_of(folder / "torn.csv", [spoilt(noise(), np.isin(np.arange(5000) % 5, (1, 3, 4)), np.nan)])
-    csv_of(folder / "still.csv", [spoilt(spoilt(noise(), slice(None), 3.25), slice(50, 90), np.nan)])
-    csv_of(folder / "moving.csv", [noise() + 500 * np.sin(np.arange(5000) / 90) * (np.arange(5000) > 3000)])
-    np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
-    (folder / "bare.npy").write_bytes(pickle.dumps(Trap(folder / "executed")))
-    body = "\n".join(f"{v:.4f}" for v in noise())
-    (folder / "rates.csv").write_text("Sample rate: 100 Hz\nUpdate rate: 50 Hz\ngx [deg/s]\n" + body)
+def csv_of(path, values):
+    np.savetxt(path, values, "%.17g", header="gx", comments="")
 
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    """A folder with all of them."""
     folder = tmp_path_factory.mktemp("inputs")
-    write_inputs(folder)
+    csv_of(folder / "nan.csv", np.full(1000, np.nan))
+    csv_of(folder / "constant.csv", np.full(1000, 3.25))
+    csv_of(folder / "short.csv", noise(10))
+    csv_of(folder / "brief.csv", noise(199))
+    csv_of(folder / "infinite.csv", spoilt(noise(), slice(7, 9), np.inf))
+    csv_of(folder / "lost.csv", spoilt(noise(), slice(150, None), np.nan))
+    csv_of(folder / "nearly.csv", spoilt(noise(), slice(300, None), np.nan))
+    csv_of(folder / "torn.csv", spoilt(noise(), np.isin(np.arange(5000) % 5, (1, 3, 4)), np.nan))
+    csv_of(folder / "still.csv", spoilt(spoilt(noise(), slice(None), 3.25), slice(50, 90), np.nan))
+    csv_of(folder / "moving.csv", noise() + 500 * np.sin(np.arange(5000) / 90) * (np.arange(5000) > 3000))
+    np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
+    (folder / "bare.npy").write_bytes(pickle.dumps(Trap(folder / "executed")))
+    body = "\n".join(f"{v:.4f}" for v in noise())
+    (folder / "rates.csv").write_text("Sample rate: 100 Hz\nUpdate rate: 50 Hz\ngx [deg/s]\n" + body)
     return folder
-
-
-LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]  # the method of lines
-
-CASES = [
-    # file, options, exit code, words
-    ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),
-    ("rates.csv", [], 2, ["contradict each other", "line 1", "line 2", "--rate HZ"]),
-    ("one.csv", [*OPTIONS, "--average", "0.013"], 2, ["0.013 s", "whole number of samples", "0.01 s"]),
-    ("one.csv", [*OPTIONS, "--average", "3600"], 2, ["means", "from 1 to 2500", "360000"]),
-    ("one.csv", [*OPTIONS, "--ranges", "N=1:10"], 2, ["ranges is for method 'piecewise'", "'whittle'"]),
-    ("one.csv", [*LINES, "--ranges", "N=1:10,K=5:20"], 2, ["N (1 to 10 s)", "K (5 to 20 s)", "overlap"]),
-    ("one.csv", [*LINES, "--ranges", "N=10:1"], 2, ["range of N", "lower one first"]),
-    ("one.csv", [*LINES, "--ranges", "N=1,10"], 2, ["N=0.1:10,K=100:1000", "'N=1,10'"]),
-    ("infinite.csv", OPTIONS, 3, ["2 of 5000 samples", "infinite", "sample 7", "NaN"]),
-    ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
-    ("bare.npy", OPTIONS, 3, ["bare.npy"]),
-]
-
-
-@rows("file, options, code, words", CASES, ids=lambda v: str(v)[:40])
-def test_refused_in_words(inputs, file, options, code, words):
-    result = run("analyze", inputs / file, *options, code=code)
-    said = " ".join(result.stderr.split())
-    assert said.startswith("error: ")
-    for word in words:
-        assert word.lower() in said.lower()
-    assert "Traceback" not in said
-    assert result.stdout == ""
-    assert not (inputs / "executed").exists()
 
 
 REFUSED = {
@@ -101,28 +65,36 @@ REFUSED = {
 
 @rows("file, finding", REFUSED.items())
 def test_a_record_is_refused_for_its_finding(inputs, file, finding, refusals):
-    assert run("analyze", inputs / file, *OPTIONS).exit_code == 3
+    run("analyze", inputs / file, *OPTIONS, code=3)
     assert refusals.pop().code == finding
+
+
+@rows("file, options, code, words", [
+    ("rates.csv", (), 2, "contradict each other line 1 line 2 --rate HZ"),
+    ("infinite.csv", OPTIONS, 3, "2 of 5000 samples infinite sample 7 NaN"),
+    ("pickle.npy", OPTIONS, 3, "pickle never"), ("bare.npy", OPTIONS, 3, "bare.npy"),
+])  # fmt: skip
+def test_a_file_is_refused_in_words(inputs, file, options, code, words):
+    ends(run("analyze", inputs / file, *options), code, *words.split())
+    assert not (inputs / "executed").exists()
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     y = noise(20_000)
     y[[500, 9000]] += 40
-    csv_of(tmp_path / "a.csv", [spoilt(y, slice(4000, 4300), np.nan)])
-    command = ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--json", "-"]
+    csv_of(tmp_path / "a.csv", spoilt(y, slice(4000, 4300), np.nan))
     found = {}
-    for choice in ([], ["--outliers", "keep"], ["--outliers", "mark"]):
-        result = run(*command, *choice, code=0)
-        found[" ".join(choice[1:])] = json.loads(result.stdout)["channels"][0]
+    for choice in ("", "keep", "mark"):
+        words = (tmp_path / "a.csv", *OPTIONS, *(("--outliers", choice) if choice else ()))
+        found[choice] = json.loads(run("analyze", *words, "--json", "-", code=0).stdout)["channels"][0]
     sizes = {name: channel["fit"]["terms"][1]["value"] for name, channel in found.items()}
     assert sizes["keep"] > 1.05 * sizes[""]
     assert sizes["mark"] == pytest.approx(sizes[""], rel=1e-9)
     assert "2 outliers beyond" in found[""]["fit"]["notes"][-1]
     assert "2 outliers beyond" in found["mark"]["history"][-1]
     assert not any("outlier" in note for note in found["keep"]["fit"]["notes"])
-    names = [finding["name"] for finding in found[""]["quality"]["findings"]]
-    assert {"gaps", "outliers"} <= set(names)
+    assert {"gaps", "outliers"} <= {finding["name"] for finding in found[""]["quality"]["findings"]}
     said = " ".join(run("analyze", tmp_path / "a.csv", *OPTIONS, "--details").output.split())
     assert "exclude them there, too (--outliers mark)" in said
     # the curve has them, unless they are left out everywhere

@@ -42,10 +42,7 @@ ADDITIONS = {
     "statistic": ({"statistics/fourth.py": own("fourth")}, (
         ("statistics/table.py", "PDEV, THEO1, THEOBR, THEOH, TIERMS\n", "from .fourth import FDEV\n"),
         ("statistics/table.py", "PDEV, HAAR, MTIE, TIERMS),\n", "    FDEV,\n")), """
-allanite("analyze z.csv --statistic fdev --report page.html --quiet")
-assert "fourth-difference deviation" in Path("page.html").read_text("utf-8")
 allanite("deviation z.csv --statistic fdev")
-allanite("explain fdev")
 print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve")),
     "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
@@ -53,46 +50,33 @@ print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference devi
         ("core/model.py", '("F", "GM", "GMA", "GM2", "GML", "Sine"))\n', 'RR = constructor("RR")\n'),
         ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
-record = simulated(al.Model(str(al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5"))), 8192)
-assert abs(al.identify(record, terms="N,RR")["RR"].value / 2e-6 - 1) < 0.3
-al.write(record, "rr.csv")
-allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
-assert "driven relaxation" in Path("page.html").read_text("utf-8")
+allanite("analyze z.csv --terms N,RR --to rad/s^2.5")
 allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
     "format": ({"readers/formats/tones.py": own("tones")}, (
         ("readers/formats/registry.py", '    "kfgins": Format("kfgins", looks=True),\n',
          '    "tones": Format("tones", looks=True),\n'),), r"""
 values = simulated(al.N(0.1, "deg/sqrt(h)")).values
 Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
-allanite("info a.tones")
-Path("b.bin").write_bytes(bytes(100))
-allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "unknown file format")),
+allanite("info a.tones")""", ("rate 50.0 Hz from its first line",)),
     "target of export": ({"exporting/targets/pilot.py": own("pilot")}, (
         ("exporting/exports.py", "from .target import Target\n", "from .targets.pilot import PILOT\n"),
         ("exporting/exports.py", "PSINS, NAVEGO,", " PILOT,")), """
 allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
 print(Path("pilot.cfg").read_text("utf-8"))
-allanite("convert --from pilot pilot.cfg")
-allanite("explain pilot")
-allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
+allanite("explain pilot")""", ("\ngyro_noise = 2.9", "manual of Pilot, section 3")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
         ("cli/__init__.py", '"serve.serve", synonyms=("gui", "web")),\n',
          '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",', ' "Extents": "extent.extents_view",')), """
 allanite("--help")
-allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
+allanite("extent z.csv --from 10 --json out.json --report page.html")
 assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
-assert Path("out.csv").read_text("utf-8").startswith("channel,least,greatest")
 found = al.from_dict(json.loads(Path("out.json").read_text("utf-8")))
-al.report(found, "again.html")
-from allanite.web.requests import Request
 from allanite.web.faces import tables
 assert "extent" in tables("en")["verbs"]
-print(Request.of("extent", {"start": 10}).line(["z.csv"]))
 print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.csv")["gz"].values[10:].min())""",
-        ("extent Show the least and the greatest sample.", "least greatest", "allanite extent --from 10 z.csv",
-         "Extents 10.0 True")),
+        ("extent Show the least and the greatest sample.", "least greatest", "Extents 10.0 True")),
     "choice of a recipe": ({}, (
         ("study/recipe.py", 'synonyms=("decimate", "downsample"))\n',
          '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),

@@ -84,11 +84,9 @@ def test_a_script_is_known_with_what_it_imports():
 
 def test_every_night_has_seeds_of_its_own():
     words = nightly.words(nightly.PARTS["fuzz: files"])
-    first = int(words[words.index("--first") + 1])
-    assert first % nightly.SEEDS_A_NIGHT == 0
-    assert first > 0
-    most = max(count for target in fuzz.TARGETS.values() for count in target.kinds.values())
-    assert most <= nightly.SEEDS_A_NIGHT
+    nights, rest = divmod(int(words[words.index("--first") + 1]), nightly.SEEDS_A_NIGHT)
+    assert (nights > 0, rest) == (True, 0)
+    assert max(max(target.kinds.values()) for target in fuzz.TARGETS.values()) <= nightly.SEEDS_A_NIGHT
 
 
 def test_every_script_of_a_table_is_in_the_sequence():

@@ -36,9 +36,8 @@ def described(rate=100.0, scale=None):
         table = parquet.read_table(path)
         said = json.loads(table.schema.metadata[b"allanite"])
         said["rate"], said["channels"][0]["scale"] = rate, scale
-        parquet.write_table(
-            pa.table(table).replace_schema_metadata({"allanite": json.dumps(said), "rate": repr(rate)}), path
-        )
+        metadata = {"allanite": json.dumps(said), "rate": repr(rate)}
+        parquet.write_table(pa.table(table).replace_schema_metadata(metadata), path)
 
     return write
 
@@ -80,8 +79,7 @@ def test_a_result_or_a_sentence(name, verb, tmp_path, monkeypatch):
 
 def test_a_stage_named_like_a_formula(tmp_path):
     text("gx [deg/s]")(tmp_path / "a.csv")
-    words = ["budget", tmp_path / "a.csv", "--stage", r"$\frac{ 16 300deg/s", "--plot", tmp_path / "a.png"]
-    run(*words, code=0)
+    run("budget", tmp_path / "a.csv", "--stage", r"$\frac{ 16 300deg/s", "--plot", tmp_path / "a.png", code=0)
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -41,13 +41,11 @@ class Pseudo:
     """A catalogue that has every template, in letters that are not Latin."""
 
     def gettext(self, message):
-        """The template with its fields."""
         parts = FIELD.split(message)
         parts[::2] = [part.translate(LETTERS) for part in parts[::2]]
         return "".join(parts)
 
     def ngettext(self, one, many, count):
-        """The same of a number."""
         return self.gettext(one if count == 1 else many)
 
 
@@ -107,18 +105,15 @@ class Shown(HTMLParser):
         self.feed(re.sub(r'<span class="option">(.*?)</span>', r"\1", page))  # parts of a sentence
 
     def handle_starttag(self, tag, attrs):
-        """Collect titles and labels."""
         if tag in ("style", "script", "pre", "code", "math"):
             self.inside.append(tag)
         self.texts += [value or "" for name, value in attrs if name in ("aria-label", "title", "alt", "data-label")]
 
     def handle_endtag(self, tag):
-        """Leave code."""
         if self.inside and self.inside[-1] == tag:
             self.inside.pop()
 
     def handle_data(self, data):
-        """Collect text."""
         if not self.inside:
             self.texts.append(data)
 
@@ -130,7 +125,6 @@ def without_code(parts):
 
 
 def words_of(figure):
-    """The texts of a figure."""
     return [artist.get_text() for artist in figure.findobj(Text)]
 
 
@@ -143,9 +137,8 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        monkeypatch.setattr(
-            html, "drawer", lambda *_: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
-        )
+        drawn_words = lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""  # noqa: E731
+        monkeypatch.setattr(html, "drawer", lambda *_: drawn_words)
         found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:
@@ -167,10 +160,8 @@ def drawings(face):
 @pytest.fixture
 def pseudo(monkeypatch):
     """The language "xx"."""
-    one = Pseudo()
-    monkeypatch.setattr(
-        language, "catalogue", lambda lang: one if lang == "xx" else language.gettext.NullTranslations()
-    )
+    none = language.gettext.NullTranslations()
+    monkeypatch.setattr(language, "catalogue", lambda lang: Pseudo() if lang == "xx" else none)
 
 
 RUNS = {verb: row.runs for verb, row in ROWS.items() if row.runs}
@@ -205,12 +196,9 @@ def values(furnished):
 
 @rows("verb", RUNS)
 def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monkeypatch):
-    found = left(
-        part
-        for one, line in zip(values(verb), RUNS[verb], strict=True)
-        for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
-    )
-    assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
+    pairs = zip(values(verb), RUNS[verb], strict=True)
+    drawn = ((one, verb != "info" and "--start" not in line) for one, line in pairs)
+    assert left(part for one, figure in drawn for part in shown(one, monkeypatch, figure)) == []
 
 
 PLAIN = r"(?<!\w)(deg(?!C)|ug|sqrt\((h|s|Hz)\))(?!\w)"  # units as they are typed
@@ -221,21 +209,15 @@ TYPED = r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--\S+ \S+|^(time|enc|ref|g[xyz]|a[xyz]
 @rows("lang", language.LANGUAGES)
 @pytest.mark.filterwarnings("ignore::allanite.reporting.fonts.FontWarning")
 def test_units_are_shown_with_their_signs(verb, values, lang, monkeypatch):
-    found = [
-        line
-        for one in values(verb)
-        for line in shown(one, monkeypatch, drawn=False, lang=lang)
-        if re.search(PLAIN, re.sub(TYPED, "", line))
-    ]
-    assert not found, "\n".join(found)
+    lines = (line for one in values(verb) for line in shown(one, monkeypatch, drawn=False, lang=lang))
+    assert [line for line in lines if re.search(PLAIN, re.sub(TYPED, "", line))] == []
 
 
 @rows("verb", RUNS)
 def test_a_terminal_without_signs_has_letters_of_ascii(verb, values):
     for one in values(verb):
         face = view_of(one).face(one, level_of(one))
-        odd = [line for line in text.render(face, ascii=True).splitlines() if not line.isascii()]
-        assert not odd, "\n".join(odd)
+        assert [line for line in text.render(face, ascii=True).splitlines() if not line.isascii()] == []
 
 
 def printed_words(figure):
@@ -244,9 +226,7 @@ def printed_words(figure):
     sides = [side for axes in panels for side in (axes.xaxis, axes.yaxis)]
     ticks = {id(text) for side in sides for text in (*side.get_ticklabels(), *side.get_ticklabels(minor=True))}
     hidden = {id(text) for axes in panels if not axes.axison for text in axes.findobj(Text)}
-    hidden |= {
-        id(side.label) for axes in panels for side in [axes.xaxis] if not axes.xaxis.get_tick_params()["labelbottom"]
-    }
+    hidden |= {id(axes.xaxis.label) for axes in panels if not axes.xaxis.get_tick_params()["labelbottom"]}
     texts = [text for text in figure.findobj(Text) if id(text) not in ticks | hidden and text.get_visible()]
     return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
 

@@ -7,7 +7,6 @@ import re
 
 import pytest
 
-import allanite as al
 import figures
 import promises
 import stale
@@ -21,10 +20,8 @@ def test_a_figure_that_was_changed_is_brought_back():
 
 
 def test_a_number_whose_table_has_not_been_made_is_shown_as_such():
-    def numbers():
-        return cells.figures("never.md", "", "share")
-
-    assert figures.filled("in {:g} to {:.0f} % of records", numbers) == "in … to … % of records"
+    filled = figures.filled("in {:g} to {:.0f} % of records", lambda: cells.figures("never.md", "", "share"))
+    assert filled == "in … to … % of records"
     assert figures.pattern("in {:g} to {:s} %").search("in … to N and B %")
 
 
@@ -47,34 +44,20 @@ def test_a_link_says_what_its_table_is_of():
     assert figures.noted("README.md", noted) == noted
 
 
-@pytest.fixture
-def head():
+PAGE = "# A\n\n- commit {}, 2026-11-21, x\n- command: `python benchmarks/{}.py`\n\n| a |\n|---|"
+
+
+def test_a_release_waits_for_tables_of_the_code_as_it_is(monkeypatch):
     if not stale.whole():
         pytest.skip(stale.SHALLOW)
-    return stale.git("rev-parse", "HEAD")[:7]
-
-
-def page(commit, script="methods"):
-    return Page(f"# A\n\n- commit {commit}, 2026-11-21, x\n- command: `python benchmarks/{script}.py`\n\n| a |\n|---|")
-
-
-def test_a_table_of_the_commit_before_a_rewrite_is_stale(head):
-    assert stale.age(page(head), "a.md").verdict == "fresh"
-    first = stale.git("rev-list", "--max-parents=0", "HEAD")[:7]
-    assert stale.age(page(first), "a.md").verdict == "stale"
-    for lost in (page(f"before {head}"), page("0000000"), page(head, "nothing")):
-        assert stale.age(lost, "a.md").verdict.startswith("stale: ")
-
-
-def test_a_release_waits_for_tables_of_the_code_as_it_is(head, monkeypatch):
-    first = stale.git("rev-list", "--max-parents=0", "HEAD")[:7]
-    for commit, names in ((head, []), (first, ["a.md"]), ("0000000", ["a.md"])):
-        monkeypatch.setattr(stale, "pages", lambda commit=commit: [("a.md", page(commit))])
-        assert [line.partition(":")[0] for line in stale.unfit()] == names
+    head, first = stale.git("rev-parse", "HEAD")[:7], stale.git("rev-list", "--max-parents=0", "HEAD")[:7]
+    none = "stale: not of a commit of the history"
+    for commit, script, verdict, unfit in ((head, "methods", "fresh", False), (first, "methods", "stale", True),
+                                           (f"before {head}", "methods", none, True), (head, "nothing", none, True),
+                                           ("0000000", "methods", none, True)):  # fmt: skip
+        page = Page(PAGE.format(commit, script))
+        assert stale.age(page, "a.md").verdict == verdict
+        monkeypatch.setattr(stale, "pages", lambda page=page: [("a.md", page)])
+        assert [line.partition(":")[0] for line in stale.unfit()] == ["a.md"] * unfit
     monkeypatch.setattr(stale, "whole", lambda: False)
     assert stale.unfit() == [stale.SHALLOW]
-
-
-def test_counts_of_statistics_are_those_of_the_program():
-    assert "**Seventeen statistics**" in (figures.ROOT / "README.md").read_text("utf-8")
-    assert len(al.statistics.STATISTICS) == 17

@@ -91,9 +91,7 @@ def test_the_sample_passes_the_public_checks(sample, tmp_path):
     assert "6 passed" in out
 
 
-USED = (
-    FILES
-    + """
+USED = """
 from allanite.cli.tasks import Reports
 from allanite.web.requests import Request
 from allanite.web.faces import tables
@@ -120,14 +118,13 @@ shown["line"] = request.line(["a.tones"])
 shown["done"] = request.task.run(["a.tones"], request.recipe, request.settings, Reports())["gz"].record.size
 print(json.dumps(shown))
 """
-)
 
 
 @pytest.fixture(scope="module")
 def used(sample, tmp_path_factory):
     """What the program shows in a process in which the sample is installed, and the folder of its files."""
     folder = tmp_path_factory.mktemp("used")
-    out, err = run(USED, *sample, cwd=folder)
+    out, err = run(FILES + USED, *sample, cwd=folder)
     assert err == ""
     return json.loads(out), folder
 
@@ -155,10 +152,9 @@ def test_results_from_outside_are_stored_and_read_again(used):
     assert shown["types"] == ["Survey", "Export", "Extents", "Study"]
     assert shown["low"][0] == shown["low"][1] < 0
     assert (folder / "extent.csv").read_text("utf-8").startswith("channel,least,greatest")
-    assert "Extent of a.tones" in (folder / "extent.html").read_text("utf-8")
-    assert "Extent of a.tones" in (folder / "again.html").read_text("utf-8")
-    assert "driven relaxation" in (folder / "page.html").read_text("utf-8")
-    assert "gyro_noise = " in (folder / "pilot.cfg").read_text("utf-8")
+    for name, words in (("extent.html", "Extent of a.tones"), ("again.html", "Extent of a.tones"),
+                        ("page.html", "driven relaxation"), ("pilot.cfg", "gyro_noise = ")):  # fmt: skip
+        assert words in (folder / name).read_text("utf-8")
 
 
 @pytest.mark.slow("the sample in a process of its own")
@@ -233,30 +229,16 @@ except al.AllaniteError as error:
 """
 
 
-@rows(
-    "body, why",
-    [
-        ("return 3", "read returned a int instead of a Recording"),
-        ("return 1 / 0", "read failed: ZeroDivisionError: division by zero"),
-    ],
-)
+@rows("body, why", [
+    ("return 3", "read returned a int instead of a Recording"),
+    ("return 1 / 0", "read failed: ZeroDivisionError: division by zero"),
+])  # fmt: skip
 def test_a_reader_that_fails_is_named_with_the_file(tmp_path, body, why):
     lines = ('TITLE = "ours"', 'sniff = lambda head, suffix: head[:4] == b"MINE"', f"def read(path, options): {body}")
     (tmp_path / "theirs.py").write_text("\n".join(lines), "utf-8")
     install(tmp_path, "theirs", {"allanite.readers": {"mine": "theirs"}})
     said, _ = run(READING, tmp_path, cwd=tmp_path)
     assert said == f"a.mine: the reader plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
-
-
-def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
-    install(tmp_path, "theirs", {"allanite.verbs": {"mine": "theirs:VERB"}})
-    words = [sys.executable, "-c", "from allanite.cli import main; main(['--help'])"]
-    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run(words, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=False)
-    why = "it cannot be loaded: ModuleNotFoundError: No module named 'theirs'"
-    assert done.stderr == f"allanite: the verb plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
-    assert "Analyze:" in done.stdout
-    assert done.returncode == 0
 
 
 ODD = """
@@ -303,9 +285,9 @@ def test_verbs_that_are_broken_take_nothing_from_the_others(tmp_path):
     out, err = run(RUN, install(tmp_path, "their_package", points), cwd=tmp_path)
     said = " ".join((out + err).split())
     for name, why in ODD_VERBS.items():
-        assert f"the verb plugin {name!r} of the package 'their_package' is broken ({why}" in said, said
-    for text in ("Special jobs:", "Usage: allanite info", "Usage: allanite quantization"):
-        assert text in said
+        assert said.count(f"the verb plugin {name!r} of the package 'their_package' is broken ({why}") == 1, said
+    texts = ("allanite: the verb plugin", "Special jobs:", "Usage: allanite info", "Usage: allanite quantization")
+    assert [text for text in texts if text not in said] == []
     ended = "internal error in the package 'their_package' (ZeroDivisionError: division by zero)"
     assert f"{ended}; please report it with the command and the file to its maintainers" in said
 
@@ -374,34 +356,28 @@ def double(name):
     return lambda *at: 2.0 * column(*at)
 
 
-@click.command()
-@click.option("--json", "path")
-def silent(path):
-    Path(path).write_text('{"type": "Unheard of"}', "utf-8")
+SILENT = click.Command("silent")
 
 
-@rows(
-    "check, row, words",
-    [
-        (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
-        (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
-        (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
-        *((check_term, replace(TERMS["K"], **{name: double(name)}), "noise term K") for name in DOUBLED),
-        (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
-        (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
-        (check_target, METERS, "the unit m of .* is not that of N"),
-        (check_data_sheet, TWICE, "data sheet 'ADIS16470': a line is there twice"),
-        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], unit="deg/h"),)), "is not a unit of N"),
-        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], place=""),)), "it has no page or table"),
-        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], sensor="accelerometer"),)), "of the gyro"),
-        (check_reader, SimpleNamespace(TITLE="x"), "reader of 'x': it has no sniff, read"),
-        (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
-        (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),
-        (check_reader, reader(), "cut off after 0 bytes, it raises IndexError.* instead of a DataError"),
-        (check_verb, Verb("silent", "", silent), "it has no heading of the help"),
-        (check_verb, Verb("silent", "Other", silent), "it has no help"),
-    ],
-)
+@rows("check, row, words", [
+    (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
+    (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
+    (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
+    *((check_term, replace(TERMS["K"], **{name: double(name)}), "noise term K") for name in DOUBLED),
+    (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
+    (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
+    (check_target, METERS, "the unit m of .* is not that of N"),
+    (check_data_sheet, TWICE, "data sheet 'ADIS16470': a line is there twice"),
+    (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], unit="deg/h"),)), "is not a unit of N"),
+    (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], place=""),)), "it has no page or table"),
+    (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], sensor="accelerometer"),)), "of the gyro"),
+    (check_reader, SimpleNamespace(TITLE="x"), "reader of 'x': it has no sniff, read"),
+    (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
+    (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),
+    (check_reader, reader(), "cut off after 0 bytes, it raises IndexError.* instead of a DataError"),
+    (check_verb, Verb("silent", "", SILENT), "it has no heading of the help"),
+    (check_verb, Verb("silent", "Other", SILENT), "it has no help"),
+])  # fmt: skip
 def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
     (tmp_path / "a.mine").write_text("1.5\n2.5\n" * 40, "utf-8")
     refused(AssertionError, words, lambda: check(row, *([tmp_path / "a.mine"] if check is check_reader else [])))

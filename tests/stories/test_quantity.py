@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from tests.commands import ends
 from tests.rows import rows
 from tests.verbs import run
 
@@ -19,13 +20,9 @@ VOLTS = "N 1e-3 V*sqrt(s), K 2e-4 V/sqrt(s)"
 def folder(tmp_path_factory):
     """Two runs of an angle in arcmin and one of a voltage, as text with headers."""
     where = tmp_path_factory.mktemp("quantity")
-    for name, model, unit, seed in (
-        ("run1", MODEL, "arcmin", 1),
-        ("run2", MODEL, "arcmin", 2),
-        ("volts", VOLTS, "mV", 3),
-    ):
-        rng = np.random.default_rng(seed)
-        record = al.simulate(al.Model(model), 6000, 10.0, rng=rng, unit=unit)
+    for seed, (name, model, unit) in enumerate((("run1", MODEL, "arcmin"), ("run2", MODEL, "arcmin"),
+                                                ("volts", VOLTS, "mV")), 1):  # fmt: skip
+        record = al.simulate(al.Model(model), 6000, 10.0, rng=seed, unit=unit)
         rows = np.column_stack([np.arange(6000) / 10, record.values])
         np.savetxt(where / f"{name}.csv", rows, "%.10g", ",", header=f"t [s],az [{unit}]", comments="")
     return where
@@ -58,25 +55,6 @@ def test_page_tables_and_figure_name_the_angle(study, folder):
     assert {row["unit"] for row in rows} <= {"arcsec", "rad"}
 
 
-@pytest.mark.slow("analyses")
-@rows("method", ["nnls", "gls"])
-@pytest.mark.usefixtures("details")
-def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
-    said = run(f"analyze '{folder}/run1.csv' --kind value --method {method} --statistic ohdev").stdout
-    assert "R: ohdev is insensitive to ramp of the angle" in said
-    assert "flicker of the angle" in said
-    assert "bias" not in said
-
-
-@pytest.mark.usefixtures("details")
-def test_a_voltage_has_no_angle(folder):
-    said = run(f"analyze '{folder}/volts.csv' --kind value").stdout
-    assert "white noise of the voltage" in said
-    assert "random walk of the voltage" in said
-    assert "angle" not in said
-    assert "V*√s" in said
-
-
 @pytest.mark.slow("takes more than half a second")
 @rows(
     "verb, more, unit",
@@ -90,13 +68,24 @@ def test_curves_are_in_the_unit_of_the_angle(folder, verb, more, unit):
     assert {row["unit"] for row in rows} == {unit}
 
 
-def test_two_runs_are_compared(folder):
-    said = run(f"compare '{folder}/run1.csv' '{folder}/run2.csv' --kind value").stdout
-    assert "white noise of the angle" in said
-    assert "angle random walk" not in said
+UNSEEN = ("R: ohdev is insensitive to ramp of the angle", "flicker of the angle")
+
+
+@pytest.mark.slow("analyses")
+@rows("line, words, absent", [
+    ("analyze run1.csv --method nnls --statistic ohdev", UNSEEN, "bias"),
+    ("analyze run1.csv --method gls --statistic ohdev", UNSEEN, "bias"),
+    ("analyze volts.csv", ("white noise of the voltage", "random walk of the voltage", "V*√s"), "angle"),
+    ("compare run1.csv run2.csv", ("white noise of the angle",), "angle random walk"),
+])  # fmt: skip
+@pytest.mark.usefixtures("details")
+def test_terms_are_named_by_the_quantity(folder, monkeypatch, line, words, absent):
+    monkeypatch.chdir(folder)
+    answer = run(f"{line} --kind value").stdout
+    assert [text for text in words if text not in answer] == []
+    assert absent not in answer
 
 
 def test_other_programs_take_no_angle(folder):
-    said = run(f"export '{folder}/run1.csv' --kind value --to kalibr", 3).stderr
-    assert "gyroscopes and accelerometers, not of 'az' (angle)" in said
-    assert "'allanite analyze FILE --coefficients PATH'" in said
+    words = ("gyroscopes and accelerometers, not of 'az' (angle)", "'allanite analyze FILE --coefficients PATH'")
+    ends(run(f"export '{folder}/run1.csv' --kind value --to kalibr", 3), 3, *words)

@@ -10,6 +10,7 @@ from tests.rows import refused, rows
 
 import allanite
 import changes
+from allanite.cli import VERBS
 
 LOG = changes.LOG.read_text("utf-8")
 DAY = date(2027, 1, 2)
@@ -29,10 +30,7 @@ def test_the_changelog_is_short_and_by_job():
     first = LOG.split("\n## ")[1]
     assert len(first.splitlines()) <= 80
     assert re.search(r"unreleased", LOG, re.IGNORECASE) is None
-    named = set(re.findall(r"`allanite (\w+)", LOG))
-    from allanite.cli import VERBS
-
-    assert named == set(VERBS)
+    assert set(re.findall(r"`allanite (\w+)", LOG)) == set(VERBS)
 
 
 def test_every_fragment_is_taken():
@@ -41,15 +39,12 @@ def test_every_fragment_is_taken():
     assert all(text.split("\n\n", 1)[1] in grown for text in texts)
 
 
-@rows(
-    "version, texts, expected",
-    [
-        ("1.0", ["### Read\n\n- C\n  D.\n"], BEGUN.replace("- A.\n", "- A.\n- C\n  D.\n")),
-        ("1.0", ["### New\n\n- C.\n", "### Draw\n\n- D.\n"], f"{BEGUN}- D.\n\n### New\n\n- C.\n"),
-        ("1.1", ["### Read\n\n- C.\n"], BEGUN.replace("## 1.0", "## 1.1 (2027-01-02)\n\n### Read\n\n- C.\n\n## 1.0")),
-        ("1.0", [], BEGUN),
-    ],
-)  # fmt: skip
+@rows("version, texts, expected", [
+    ("1.0", ["### Read\n\n- C\n  D.\n"], BEGUN.replace("- A.\n", "- A.\n- C\n  D.\n")),
+    ("1.0", ["### New\n\n- C.\n", "### Draw\n\n- D.\n"], f"{BEGUN}- D.\n\n### New\n\n- C.\n"),
+    ("1.1", ["### Read\n\n- C.\n"], BEGUN.replace("## 1.0", "## 1.1 (2027-01-02)\n\n### Read\n\n- C.\n\n## 1.0")),
+    ("1.0", [], BEGUN),
+])  # fmt: skip
 def test_fragments_join_the_section_of_the_version(version, texts, expected):
     assert changes.joined(BEGUN, texts, version, DAY) == expected
 
@@ -80,24 +75,11 @@ def test_the_container_copies_what_exists():
     assert "[all]" in text
 
 
-def test_the_article_cites_what_its_bibliography_has():
-    folder = ROOT / "paper"
-    cited = set(re.findall(r"@(\w+)", (folder / "paper.md").read_text("utf-8").split("---", 2)[2]))
-    assert cited == set(re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text("utf-8"), re.MULTILINE))
-
-
-WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
-
-
-def steps(path):
-    for job in yaml.safe_load(path.read_text("utf-8"))["jobs"].values():
-        yield from job.get("steps", [job])
-
-
-@rows("path", WORKFLOWS, ids=lambda path: path.stem)
+@rows("path", sorted((ROOT / ".github" / "workflows").glob("*.yml")), ids=lambda path: path.stem)
 def test_a_workflow_runs_what_exists_and_uses_what_is_pinned(path):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
-    for step in steps(path):
+    workflow = yaml.safe_load(path.read_text("utf-8"))
+    for step in (step for job in workflow["jobs"].values() for step in job.get("steps", [job])):
         for name in re.findall(r"^make ([a-z-]+)", step.get("run", ""), re.MULTILINE):
             assert name in targets, name
         for script in re.findall(r"^(\.ci/\w+)", step.get("run", "")):
@@ -106,4 +88,4 @@ def test_a_workflow_runs_what_exists_and_uses_what_is_pinned(path):
         assert used.startswith("./") or re.search(r"@[0-9a-f]{40}$", used), used
         if used.startswith("./.github"):
             assert (ROOT / used).is_file()
-    assert yaml.safe_load(path.read_text("utf-8"))["permissions"] == {"contents": "read"} or path.stem == "docs"
+    assert workflow["permissions"] == {"contents": "read"} or path.stem == "docs"

@@ -13,12 +13,8 @@ from allanite.testing import check_verb
 
 SCHEMA = json.loads((ROOT / "docs" / "static" / "results.schema.json").read_text("utf-8"))
 KNOWN = {"$ref", "type", "const", "enum", "anyOf", "required", "properties", "items", "description"}
-TYPES = {
-    "object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float),
-    "null": type(None),
-}  # fmt: skip
-
-
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float),
+         "null": type(None)}  # fmt: skip
 UNLISTED = {"AnglePlan", "Batch", "Harmonics", "Lot", "Pool"}  # types of results that the schema does not have
 
 
@@ -41,9 +37,8 @@ def faults(value, schema, where="$"):
     for name, part in schema.get("properties", {}).items():
         if name in value:
             found += faults(value[name], part, f"{where}.{name}")
-    if "items" in schema:
-        for i, item in enumerate(value):
-            found += faults(item, schema["items"], f"{where}[{i}]")
+    for i, item in enumerate(value if "items" in schema else ()):
+        found += faults(item, schema["items"], f"{where}[{i}]")
     return found
 
 

@@ -21,9 +21,9 @@ def desk(tmp_path_factory):
     """A week of a gyro with a thermometer, and a voltage."""
     folder = tmp_path_factory.mktemp("week")
     model = al.N(0.1, "deg/sqrt(h)") + al.K(1.0, "deg/h/sqrt(h)")
+    t = np.arange(1800)
     for seed, day in enumerate(("monday", "tuesday", "wednesday"), 1):
         rng = np.random.default_rng(seed)
-        t = np.arange(1800)
         temp = 25 + 5 * np.sin(t / 300 + seed)
         gx = np.degrees(al.simulate(model, t.size, 1.0, rng=rng).values) * 3600 + 3 * temp
         rows = np.column_stack([t, gx, temp])
@@ -69,9 +69,8 @@ def test_two_positions_remove_the_bias_of_both_axes(tmp_path, monkeypatch):
     assert [channel["name"] for channel in channels] == ["wx", "wy"]
     for channel, sign in zip(channels, (-1, 1), strict=True):
         for found, truth in ((channel["estimates"][0], 28.878), (channel["bias"], 12.376)):
-            value, low, high, error = (np.degrees(found[key]) * 3600 for key in (
-                "value", "low", "high", "standard_error",
-            ))  # fmt: skip
+            keys = ("value", "low", "high", "standard_error")
+            value, low, high, error = (np.degrees(found[key]) * 3600 for key in keys)
             assert low < sign * truth < high
             assert value != pytest.approx(sign * truth, abs=0.1)  # five minutes have an error
             assert error == pytest.approx(2.544 * 60 / 600**0.5, rel=0.05)
@@ -81,7 +80,6 @@ def test_the_figures_of_the_page_are_those_of_the_formula():
     rows = re.findall(r"^\| ±(\d+) \| ([\d.]+) \| ([\d.]+) % \|$", PAGE, re.MULTILINE)
     assert [float(row[0]) for row in rows] == [10, 100, 500]
     for scale, n, share in rows:
-        step = al.signals.Stage("ADC", 12, float(scale), "deg/s").step
-        adds = 60 * step / 12**0.5 * 1e-3**0.5
+        adds = 60 * al.signals.Stage("ADC", 12, float(scale), "deg/s").step / 12**0.5 * 1e-3**0.5
         assert float(n) == pytest.approx(adds, rel=0.02)
         assert float(share) == pytest.approx(100 * (adds / 2.525648) ** 2, rel=0.2)

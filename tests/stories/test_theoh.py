@@ -3,16 +3,15 @@
 import csv
 import io
 import json
-import shlex
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests import commands
+from tests.commands import ends
 from tests.rows import rows
 from tests.verbs import run
 
 import allanite as al
-from allanite.cli import main
 
 MIXTURE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
 WHITE = "--model 'N 0.1 deg/sqrt(h)' --rate 1"
@@ -64,24 +63,6 @@ def test_one_kind_of_noise_has_no_jump(tmp_path):
     assert "assumes one kind" not in said
 
 
-@rows("choice", [{"join": 0.05}, {"divisor": 6}])
-def test_options_are_those_of_the_library(file, record, choice):
-    ((name, value),) = choice.items()
-    line = f"--statistic theoh --no-intervals --bias plain --{name} {value}"
-    curve = al.deviation(record, "theoh", noise=None, bias="plain", **choice).to("deg/h")
-    np.testing.assert_allclose(column(file, line), curve.deviation, rtol=1e-12)
-    assert column(file, line, "m", int) == curve.m.tolist()
-
-
-def test_a_published_bias_and_the_exact_one_differ_a_little(file):
-    exact, published, plain = (
-        np.array(column(file, f"--statistic theo1 --bias {bias}")) for bias in ("exact", "published", "plain")
-    )
-    assert np.abs(published / plain - 1).max() > 0.2
-    assert np.abs(exact / plain - 1).max() > 0.2
-    assert np.abs(published / exact - 1)[-3:].max() < 0.3
-
-
 def test_the_first_screen_says_that_a_fit_of_a_curve_is_not_tested(file):
     said = run(f"analyze '{file}' --method curve --statistic theoh").stdout
     assert ("model not tested" in said, "model fits" in said) == (True, False)
@@ -103,9 +84,9 @@ def test_published_degrees_of_freedom(tmp_path, record):
                   for more in ({"edf": "published"}, {}))  # fmt: skip
     assert own.edf[0] == pytest.approx(other.edf[0], rel=0.15)
     assert "with published degrees of freedom" in own.supposed
-    mixed = al.N(1.0, "deg/sqrt(h)") + al.B(1.0, "deg/h")
+    mixed = al.deviation(record, "oadev", m=[8], noise=al.Model("N 1 deg/sqrt(h), B 1 deg/h"), edf="published")
     with pytest.raises(al.UsageError):
-        al.deviation(record, "oadev", m=[8], noise=mixed, edf="published").interval()
+        mixed.interval()
 
 
 @pytest.mark.usefixtures("details")
@@ -126,17 +107,12 @@ def test_means_come_before_anything_else(file, record):
     assert column(file, line, "tau_s") == [10.0, 20.0, 40.0]
 
 
-@rows(
-    "options, words",
-    [
-        ("--edf foo", "edf must be 'exact' or 'published', not 'foo'"),
-        ("--edf published --no-intervals", "they need intervals"),
-        ("--edf published --statistic pdev", "no degrees of freedom of pdev are published"),
-        ("--join 2 --statistic theoh", "it must be above 0 and at most 1, not 2"),
-        ("--divisor 7 --statistic theoh", "must be 30 (as published) or 6 (as in Stable32), not 7"),
-    ],
-)
+@rows("options, words", [
+    ("--edf foo", "edf must be 'exact' or 'published', not 'foo'"),
+    ("--edf published --no-intervals", "they need intervals"),
+    ("--edf published --statistic pdev", "no degrees of freedom of pdev are published"),
+    ("--join 2 --statistic theoh", "it must be above 0 and at most 1, not 2"),
+    ("--divisor 7 --statistic theoh", "must be 30 (as published) or 6 (as in Stable32), not 7"),
+])  # fmt: skip
 def test_wrong_options_are_refused(file, options, words):
-    result = CliRunner().invoke(main, ["deviation", str(file), *shlex.split(options)])
-    assert result.exit_code == 2, result.output
-    assert words in " ".join(result.stderr.split())
+    ends(commands.run("deviation", file, *options.split()), 2, words)

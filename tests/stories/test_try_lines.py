@@ -44,72 +44,55 @@ CASES = {
     "a clock in ns without a heading": Case(
         "", [55 * 10**12 + TIME * 2_500_000, *triple(0.02, 9.7), *triple(0.004)],
         "--time 'column 1[ns]' --unit '2=m/s^2,3=m/s^2,4=m/s^2,5=UNIT,6=UNIT,7=UNIT'", GYRO, 400.0,
-        ("m/s^2",) * 3 + GYRO,
-    ),
+        ("m/s^2",) * 3 + GYRO),
     "a clock in us, gyros first": Case(
         "", [7_000 + TIME * 8000, *triple(0.1), *triple(2.0, -996.0)],
-        "--time 'column 1[us]' --unit '5=mg,6=mg,7=mg,2=UNIT,3=UNIT,4=UNIT'", SIX, 125.0, SIX + ("mg",) * 3,
-    ),
+        "--time 'column 1[us]' --unit '5=mg,6=mg,7=mg,2=UNIT,3=UNIT,4=UNIT'", SIX, 125.0, SIX + ("mg",) * 3),
     "a clock in s": Case(
-        "", [0.25 + TIME / 80, *triple(0.1)], "--time 'column 1[s]' --unit UNIT", ("rad/s",), 80.0, GYRO,
-    ),
+        "", [0.25 + TIME / 80, *triple(0.1)], "--time 'column 1[s]' --unit UNIT", ("rad/s",), 80.0, GYRO),
     "a counter": Case("", [TIME + 1, *triple(0.1)], "--rate HZ --unit UNIT", ("70", "deg/s"), 70.0, SIX),
     "neither rate nor heading": Case("", triple(0.1), "--rate HZ --unit UNIT", ("70", "deg/h"), 70.0, ("deg/h",) * 3),
     "a clock in one of two units": Case(
-        "stamp,gx [deg/s]", [TIME * 200, triple(0.1)[0]], "--time 'stamp[UNIT]'", ("ms",), 5.0, ("deg/s",),
-    ),
+        "stamp,gx [deg/s]", [TIME * 200, triple(0.1)[0]], "--time 'stamp[UNIT]'", ("ms",), 5.0, ("deg/s",)),
     "French names": Case(
         ",".join(["temps", *(f"{name} {axis}" for name in ("vitesse angulaire", "accélération") for axis in "xyz")]),
         [1_650_000_000_000 + TIME * 20, *triple(0.1), *triple(2.0, 1020.0)], "--unit 'gyro=UNIT,accel=mg'",
-        ("deg/s",), 50.0, SIX + ("mg",) * 3,
-    ),
+        ("deg/s",), 50.0, SIX + ("mg",) * 3),
     "a second sensor without a name": Case(
         "t,ax,ay,az,rx,ry,rz,load", [TIME / 50, *triple(0.02, 9.8), *triple(0.1), triple(4.0)[0]],
-        "--unit 'accel=m/s^2,5=UNIT,6=UNIT,7=UNIT'", SIX, 50.0, ("m/s^2",) * 3 + SIX,
-    ),
+        "--unit 'accel=m/s^2,5=UNIT,6=UNIT,7=UNIT'", SIX, 50.0, ("m/s^2",) * 3 + SIX),
     "names of ROS over other units": Case(
         ",".join(["t", *(f"{name}.{axis}" for name in ("angular_velocity", "linear_acceleration") for axis in "xyz")]),
         [TIME / 50, *triple(0.1), *triple(2.0, 1020.0)], "--unit 'gyro=UNIT,accel=mg'", ("deg/s",), 50.0,
-        SIX + ("mg",) * 3,
-    ),
+        SIX + ("mg",) * 3),
     "biases of gyros with the length of gravity in g": Case(
-        "", [TIME / 50, *triple(0.08, 1.0, 0.05)], "--time 'column 1[s]' --unit UNIT", ("deg/s",), 50.0, SIX,
-    ),
+        "", [TIME / 50, *triple(0.08, 1.0, 0.05)], "--time 'column 1[s]' --unit UNIT", ("deg/s",), 50.0, SIX),
     "the clock that was chosen without its unit": Case(
         "", [9 * 10**12 + TIME * 1_600_000, *triple(0.1)], "--time 1 --unit UNIT", ("deg/s",), 625.0, SIX,
-        options="--time 1",
-    ),
+        options="--time 1"),
     "g with an offset of 9 %": Case(
         "t,ax,ay,az,gx,gy,gz", [TIME / 50, *triple(0.01, -1.09, 0.05), *triple(0.1)],
-        "--unit gyro=UNIT,accel=g", ("deg/s",), 50.0, ("g",) * 3 + SIX,
-    ),
+        "--unit gyro=UNIT,accel=g", ("deg/s",), 50.0, ("g",) * 3 + SIX),
     "g too small": Case(
-        "t,acc_x,acc_y,acc_z", [TIME / 50, *triple(0.01, 0.93)], "--unit g", (), 50.0, ("g",) * 3,
-    ),
+        "t,acc_x,acc_y,acc_z", [TIME / 50, *triple(0.01, 0.93)], "--unit g", (), 50.0, ("g",) * 3),
     "m/s^2 too small": Case(
-        "t,acc_x,acc_y,acc_z", [TIME / 50, *triple(0.1, 9.5)], "--unit 'm/s^2'", (), 50.0, ("m/s^2",) * 3,
-    ),
+        "t,acc_x,acc_y,acc_z", [TIME / 50, *triple(0.1, 9.5)], "--unit 'm/s^2'", (), 50.0, ("m/s^2",) * 3),
     "mm/s^2": Case("t,ax,ay,az", [TIME / 50, *triple(20.0, 9750.0)], "--unit 'mm/s^2'", (), 50.0, ("mm/s^2",) * 3),
     "1024 counts per g": Case(
-        "t,ax,ay,az", [TIME / 50, *counts(*triple(4.0, 1027.0))], "--unit UNIT", ("mg",), 50.0, ("mg",) * 3,
-    ),
+        "t,ax,ay,az", [TIME / 50, *counts(*triple(4.0, 1027.0))], "--unit UNIT", ("mg",), 50.0, ("mg",) * 3),
     "counts of gyros and accelerometers": Case(
         "t [s],gx [LSB],gy [LSB],ax (counts)", [TIME / 50, *counts(*triple(9.0)[:2], *triple(9.0, 4100.0)[2:])],
-        "--channels 2,3 --scale SCALE", ("0.02deg/s",), 50.0, ("deg/s",) * 2,
-    ),
+        "--channels 2,3 --scale SCALE", ("0.02deg/s",), 50.0, ("deg/s",) * 2),
     "increments in rad and g*s": Case(
         "t [s],imu:deltaThetaX,imu:deltaThetaY,imu:deltaThetaZ,imu:deltaVelX,imu:deltaVelY,imu:deltaVelZ",
         [TIME / 200, *triple(1e-6), *triple(1e-5, -1.01 / 200)],
-        "--unit 'gyro=rad,accel=g*s' --kind increment", (), 200.0, ("rad",) * 3 + ("g*s",) * 3, "increment",
-    ),
+        "--unit 'gyro=rad,accel=g*s' --kind increment", (), 200.0, ("rad",) * 3 + ("g*s",) * 3, "increment"),
     "increments in m/s": Case(
         "t [s],delta_angle_x,delta_velocity_x,delta_velocity_y,delta_velocity_z",
         [TIME / 200, triple(0.1)[0], *triple(1e-3, 9.9 / 200)],
-        "--unit gyro=UNIT,accel=m/s --kind increment", ("arcsec",), 200.0, ("arcsec",) + ("m/s",) * 3, "increment",
-    ),
+        "--unit gyro=UNIT,accel=m/s --kind increment", ("arcsec",), 200.0, ("arcsec",) + ("m/s",) * 3, "increment"),
     "a unit that no sensor has": Case(
-        "t [s],gx", [TIME / 50, triple(0.1)[0]], "--unit UNIT", ("deg/h",), 50.0, ("deg/h",), options="--unit s^3",
-    ),
+        "t [s],gx", [TIME / 50, triple(0.1)[0]], "--unit UNIT", ("deg/h",), 50.0, ("deg/h",), options="--unit s^3"),
 }  # fmt: skip
 
 

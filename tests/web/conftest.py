@@ -2,9 +2,6 @@
 
 import importlib.util
 import os
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,14 +22,14 @@ def client(link):
 
 
 @pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def address(tmp_path_factory):
     """The link that opens the page, once."""
     with served(tmp_path_factory.mktemp("cache"), waiting=True) as (_, link):
         yield link
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def browser():
     api = importlib.util.find_spec("playwright") and importlib.import_module("playwright.sync_api")
     if api is None or CHROMIUM is None:
         words = "the page in a browser was not tried: Playwright or Chromium is not installed"
@@ -44,13 +41,14 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="session")
-def context(browser: Any, address: str) -> Iterator[Any]:
+def context(browser, address):
     """A browser that has come in by the link; what it asks of other hosts is refused and noted."""
     one = browser.new_context(viewport={"width": 1280, "height": 900}, accept_downloads=True)
     one.set_default_timeout(PATIENCE)
     one.outside = []
     one.broken = []
-    one.on("request", lambda request: outside(one, request.url))
+    own = ("http://127.0.0.1:", "data:", "blob:")
+    one.on("request", lambda request: None if request.url.startswith(own) else one.outside.append(request.url))
     one.on("weberror", lambda error: one.broken.append(str(error.error)))
     first = one.new_page()
     first.goto(address)
@@ -62,13 +60,8 @@ def context(browser: Any, address: str) -> Iterator[Any]:
     one.close()
 
 
-def outside(context: Any, url: str) -> None:
-    if not url.startswith(("http://127.0.0.1:", "data:", "blob:")):
-        context.outside.append(url)
-
-
 @pytest.fixture
-def page(context: Any) -> Iterator[Any]:
+def page(context):
     """The page with nothing in it."""
     own = {"Origin": context.address.rstrip("/"), "Authorization": f"Bearer {context.secret}"}
     made = context.request.post(f"{context.address}api/workspaces", headers=own)
@@ -84,15 +77,7 @@ def page(context: Any) -> Iterator[Any]:
 
 
 @pytest.fixture(scope="session")
-def six(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def six(tmp_path_factory):
     """Six axes with units in the header."""
     values = np.random.default_rng(1).normal(size=(20_000, 6)) * [0.1, 0.1, 0.1, 1e-3, 1e-3, 1e-3]
     return written(tmp_path_factory.mktemp("data") / "six.csv", values)
-
-
-@pytest.fixture(scope="session")
-def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One column without a unit or a rate."""
-    path = tmp_path_factory.mktemp("data") / "bare.txt"
-    np.savetxt(path, np.random.default_rng(2).normal(size=20_000), fmt="%.6g")
-    return path

@@ -152,10 +152,8 @@ class Page:
 
     async def _wrong(self, answer: httpx.Response, route: str) -> str:
         if answer.status_code >= 400:
-            sentence = (
-                answer.status_code < 500 and len(answer.json()["error"]) > 8 if answer.content[:1] == b"{" else False
-            )
-            return "" if sentence else f"{answer.status_code} {answer.text[:200]}"
+            sentence = answer.json()["error"] if answer.status_code < 500 and answer.content[:1] == b"{" else ""
+            return "" if len(sentence) > 8 else f"{answer.status_code} {answer.text[:200]}"
         if route.endswith("/jobs"):
             job = answer.json()["job"]
             if self.jobs.job(job)["verb"] == "watch":
@@ -169,19 +167,12 @@ class Page:
 
     async def looked(self) -> str:
         """What is wrong with the answers to whoever looks at everything; what is damaged is refused in words."""
-        for path in (
-            "/api/workspaces",
-            "/api/tables",
-            f"/api/workspaces/{self.home}",
-            f"/api/jobs/{self.job}",
-            f"/api/files/{self.file}/trace",
-            f"/api/jobs/{self.job}/save?form=recipe",
-        ):
-            answer = await self.http.get(path)
-            if answer.status_code >= 500 or (answer.status_code >= 400 and len(answer.json()["error"]) < 10):
+        always, job = ("workspaces", "tables"), f"jobs/{self.job}"
+        for path in (*always, f"workspaces/{self.home}", job, f"files/{self.file}/trace", f"{job}/save?form=recipe"):
+            answer = await self.http.get(f"/api/{path}")
+            worded = answer.status_code == 200 or (answer.status_code < 500 and len(answer.json()["error"]) >= 10)
+            if not worded or (path in always and answer.status_code != 200):
                 return f"{path}: {answer.status_code} {answer.text[:300]}"
-            if path in ("/api/workspaces", "/api/tables") and answer.status_code != 200:
-                return f"{path}: {answer.status_code}"
         return ""
 
 

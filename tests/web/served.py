@@ -18,10 +18,15 @@ PLUGIN = Path(__file__).with_name("plugin")
 """Where the format of `waiting_job` is installed, for a server that is `waiting`."""
 
 
-def apart(call):
-    """What a coroutine gives, in another thread: in this one a browser may hold a loop that runs."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(lambda: asyncio.run(call())).result()
+def answered(application, method, path, base="http://page", **request):
+    """The answer of an application in this process; as in the server, an error that is not answered is raised."""
+
+    async def ask():
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(application), base_url=base) as client:
+            return await client.request(method, path, **request)
+
+    with ThreadPoolExecutor(1) as thread:  # in this one a browser may hold a loop that runs
+        return thread.submit(lambda: asyncio.run(ask())).result()
 
 
 @contextmanager
@@ -104,16 +109,18 @@ class Client:
         return self.post("/api/workspaces").json()["id"]
 
     def upload(self, workspace, path, name=None):
-        answer = self.http.post(
-            f"/api/workspaces/{workspace}/files", params={"name": name or path.name}, content=path.read_bytes()
-        )
+        place, named = f"/api/workspaces/{workspace}/files", {"name": name or path.name}
+        answer = self.http.post(place, params=named, content=path.read_bytes())
         assert answer.status_code == 200, answer.text
         return answer.json()["id"]
 
-    def begin(self, workspace, verb, files, recipe=None, **extra):
-        answer = self.post(
-            f"/api/workspaces/{workspace}/jobs", {"verb": verb, "files": files, "recipe": recipe or {}} | extra
-        )
+    def ask(self, workspace, verb, files=(), recipe=None, **extra):
+        """The answer to who begins a job."""
+        asked = {"verb": verb, "files": list(files), "recipe": recipe or {}} | extra
+        return self.post(f"/api/workspaces/{workspace}/jobs", asked)
+
+    def begin(self, *asked, **extra):
+        answer = self.ask(*asked, **extra)
         assert answer.status_code == 200, answer.text
         return answer.json()["job"]
 
@@ -128,9 +135,9 @@ class Client:
                 elif line.startswith("data: "):
                     yield kind, json.loads(line[6:])
 
-    def run(self, workspace, verb, files, recipe=None, **extra):
+    def run(self, *asked):
         """A job to its end: its id, and its last event."""
-        job = self.begin(workspace, verb, files, recipe, **extra)
+        job = self.begin(*asked)
         return job, list(self.events(job))[-1]
 
 

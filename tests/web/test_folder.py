@@ -5,7 +5,6 @@ import json
 import os
 from concurrent.futures import Future
 
-import httpx
 import numpy as np
 import pytest
 from tests.rows import rows
@@ -14,11 +13,11 @@ import allanite as al
 from allanite.web import worker
 from allanite.web.jobs import Jobs
 from allanite.web.schema import JobBody, plain
-from allanite.web.server import application, serve
+from allanite.web.server import application
 from allanite.web.store import FullError, Store
 from allanite.web.worker import MAX_RESULTS, Held
 
-from .served import Told, apart
+from .served import Told, answered
 
 MB = 1_000_000
 
@@ -45,14 +44,7 @@ class Lanes:
 
 def asked(store, jobs, method, path, **body):
     """The answer of the page to a request."""
-
-    async def ask():
-        # as the server does: an error that is not answered is raised
-        transport = httpx.ASGITransport(application(store, jobs, {"lang": "en", "workspace": None}))
-        async with httpx.AsyncClient(transport=transport, base_url="http://page") as client:
-            return await client.request(method, path, json=body)
-
-    return apart(ask)
+    return answered(application(store, jobs, {"lang": "en", "workspace": None}), method, path, json=body)
 
 
 RESULT = {"json": "{}", "faces": {}, "exit": 0}
@@ -297,13 +289,6 @@ def test_a_folder_that_is_gone_is_named(tmp_path):
         assert answer.status_code in (400, 413), (path, answer.text)
         assert str(store.folder) in answer.json()["error"]
         assert "internal error" not in answer.text
-
-
-def test_a_file_that_is_not_there_makes_no_workspace(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    with pytest.raises(al.DataError, match="there is no file"):
-        serve([str(tmp_path / "none.csv")], port=0, browser=False, lang="en", limit=1, quota=1)
-    assert not (tmp_path / "cache").exists()
 
 
 def test_a_file_that_is_opened_by_its_path_stays_where_it_is(tmp_path):

@@ -1,8 +1,6 @@
 """A stream that is watched on the page: its curve grows, a jump is said, and what was found remains at the end."""
 
 import re
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,10 +13,10 @@ JUMP = re.compile("the bias (jumps|steps)", re.IGNORECASE)
 RATE = 100  # samples a second of record
 
 
-def test_a_stream_has_a_curve_a_jump_is_said_and_the_result_stays(page: Any, tmp_path: Path) -> None:
+def test_a_stream_has_a_curve_a_jump_is_said_and_the_result_stays(page, tmp_path):
     path, rng = tmp_path / "growing.csv", np.random.default_rng(1)
 
-    def grow(seconds: int, mean: float) -> None:
+    def grow(seconds, mean):
         """Add so much of a gyroscope with this mean."""
         with path.open("a", encoding="utf-8") as file:
             np.savetxt(file, mean + 10 * rng.standard_normal(seconds * RATE), fmt="%.6f")

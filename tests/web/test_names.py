@@ -1,8 +1,6 @@
 """Names of recordings and channels that are markup, scripts, links or too long: clicks through page and reports."""
 
 import re
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -37,24 +35,14 @@ SOUND = {"hit": 0, "dead": 0, "links": [], "handlers": 0}
 
 
 @pytest.fixture(scope="module")
-def recording() -> al.Recording:
+def study():
     rng = np.random.default_rng(1)
-    return al.Recording(tuple(al.Record(rng.normal(size=3000), 100.0, "deg/s", name=name) for name in NAMES))
+    return al.analyze(
+        al.Recording(tuple(al.Record(rng.normal(size=3000), 100.0, "deg/s", name=name) for name in NAMES))
+    )
 
 
-@pytest.fixture(scope="module")
-def study(recording: al.Recording) -> al.Study:
-    return al.analyze(recording)
-
-
-@pytest.fixture(scope="module")
-def stored(recording: al.Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("names") / "r.npz"
-    al.write(recording, path)
-    return path
-
-
-def sound(page: Any, title: str = "allanite") -> None:
+def sound(page, title="allanite"):
     found = page.evaluate(FOUND)
     assert {key: found[key] for key in SOUND} == SOUND
     assert found["title"] == title
@@ -72,8 +60,9 @@ CLICK = """(name) => {
 
 
 @pytest.mark.parametrize("width", [1280, 390])
-def test_names_are_text_wherever_they_are_clicked(page: Any, stored: Path, width: int) -> None:
-    dialogs: list[str] = []
+def test_names_are_text_wherever_they_are_clicked(page, study, tmp_path, width):
+    stored, dialogs = tmp_path / "r.npz", []
+    al.write(al.Recording(tuple(channel.record for channel in study)), stored)
     page.on("dialog", lambda dialog: (dialogs.append(dialog.message), dialog.dismiss()))
     page.set_viewport_size({"width": width, "height": 900})
     page.get_by_test_id("choose-file").set_input_files(
@@ -107,7 +96,7 @@ def test_names_are_text_wherever_they_are_clicked(page: Any, stored: Path, width
 
 
 @pytest.mark.parametrize("how", ["report", "notebook"])
-def test_names_are_text_in_a_report_and_a_notebook(browser: Any, study: al.Study, tmp_path: Path, how: str) -> None:
+def test_names_are_text_in_a_report_and_a_notebook(browser, study, tmp_path, how):
     path, dialogs = tmp_path / "r.html", []
     if how == "report":
         al.report(study, path)
@@ -126,7 +115,7 @@ def test_names_are_text_in_a_report_and_a_notebook(browser: Any, study: al.Study
     page.close()
 
 
-def test_a_pdf_of_these_names_has_no_script_and_no_action(study: al.Study, tmp_path: Path) -> None:
+def test_a_pdf_of_these_names_has_no_script_and_no_action(study, tmp_path):
     al.report(study, tmp_path / "r.pdf")
     data = (tmp_path / "r.pdf").read_bytes()
     assert data.startswith(b"%PDF")

@@ -1,30 +1,14 @@
 """Real recordings dropped on the page: what they do not say is asked for beside its control, then they have a curve."""
 
-from pathlib import Path
-from typing import Any
-
 import pytest
+from tests.recordings.test_every_recording import FILES
 
 from .browsing import SUITE, drop
 
 pytestmark = SUITE
 
-MPU = "mpu6050_static10min/mpu6050_"
-NEEDS: dict[str, dict[str, str]] = {
-    "adis_16405_imu1.rda": {"unit": "deg/s"},
-    "adis_16405_imu2.rda": {"unit": "deg/s"},
-    "aegiverse_fog_0917.txt": {"unit": "deg/h"},
-    "aegiverse_fpga_gyro_0802.txt": {"time": "1", "unit": "deg/s", "channels": "2"},
-    "cubeorange_sample_log_small.ulg": {},
-    "imu_tk_xsens_gyro.mat": {"unit": "deg/s", "rate": "100", "until": "50"},
-    f"{MPU}accelerometer.mat": {"time": "1", "unit": "g"},
-    f"{MPU}gyroscope.mat": {"time": "1", "unit": "deg/s"},
-    f"{MPU}temperature.mat": {"time": "1", "unit": "degC", "channels": "2"},
-    "phone_gyro4.txt": {"unit": "rad/s"},
-    "psins_lasergyro.imu": {},
-    "vn100_car_idle.bag": {},
-    "xsens_mti_utbm_imu-test.bag": {},
-}
+NEEDS = {file.name: file.options for file in FILES if file.compared or file.name.endswith("temperature.mat")}
+NEEDS |= {name: {"unit": "deg/s"} for name in NEEDS if name.startswith("adis")}
 """What each file needs beside itself."""
 
 REFUSED = {
@@ -45,13 +29,13 @@ READY = f"() => document.querySelector('#curve-plot[data-curves]') !== null || (
 
 
 @pytest.mark.parametrize("name", NEEDS)
-def test_a_recording_has_a_curve_once_it_says_what_it_is(page: Any, recordings: Path, name: str) -> None:
+def test_a_recording_has_a_curve_once_it_says_what_it_is(page, recordings, name):
     drop(page, recordings / name)
     page.wait_for_function(READY)
     page.evaluate(OPENED)
     for option, value in NEEDS[name].items():
         control = page.get_by_test_id(f"option-{option}")
-        control.fill(value)
+        control.fill(",".join(value) if option == "channels" else str(value))
         control.press("Enter")
     page.wait_for_selector("#curve-plot[data-curves]")
     assert page.get_by_test_id("assumed").inner_text().strip()
@@ -59,9 +43,7 @@ def test_a_recording_has_a_curve_once_it_says_what_it_is(page: Any, recordings: 
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_recording_is_refused_in_the_words_of_the_command_line(
-    page: Any, recordings: Path, name: str
-) -> None:
+def test_what_is_no_recording_is_refused_in_the_words_of_the_command_line(page, recordings, name):
     drop(page, recordings / name)
     page.wait_for_function(READY)
     assert REFUSED[name] in page.evaluate(SAID)

@@ -4,6 +4,7 @@ import http.client
 import re
 import socket
 import stat
+from contextlib import closing
 from itertools import product
 
 import numpy as np
@@ -17,38 +18,31 @@ from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
 
-from .served import Client, apart, served
+from .served import Client, answered, served
 
-LIMIT, QUOTA = 1_000_000, 3_000_000
+LIMIT = 1_000_000
 
 
 @pytest.fixture(scope="module")
 def link(folder):
-    with served(folder, "--limit", "1MB", "--quota", "3MB") as (_, link):
+    with served(folder, "--limit", "1MB") as (_, link):
         yield link
 
 
-def address(link):
-    host, _, port = link.partition("//")[2].partition("/")[0].partition(":")
-    return host, int(port)
-
-
-def raw(link, method, path, **headers):
-    """Status and headers of a request as it is written, with no header of its own."""
-    connection = http.client.HTTPConnection(*address(link), timeout=120)
-    connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
-    for name, value in headers.items():
-        connection.putheader(name.replace("_", "-"), value)
-    connection.endheaders()
-    answer = connection.getresponse()
-    answer.read()
-    connection.close()
-    return answer
+def raw(client, path, host=None, method="GET"):
+    """The status of a request as it is written, with the secret and no other header of its own."""
+    own = client.base.removeprefix("http://")
+    with closing(http.client.HTTPConnection(own, timeout=120)) as connection:
+        connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+        connection.putheader("Host", own if host is None else host)
+        connection.putheader("Authorization", client.http.headers["Authorization"])
+        connection.endheaders()
+        return connection.getresponse().status
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_it_listens_at_this_machine_alone(client, link):
-    _, port = address(link)
+def test_it_listens_at_this_machine_alone(client):
+    port = client.http.base_url.port
     with open("/proc/net/tcp", encoding="ascii") as file:
         rows = [line.split()[1] for line in file if line.split()[3] == "0A"]
     assert [row for row in rows if row.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
@@ -58,7 +52,7 @@ def test_it_listens_at_this_machine_alone(client, link):
 
 def test_nothing_is_answered_without_the_secret(client, link):
     """By no route: with nothing, with a guess, or with what browsers send by themselves."""
-    cookie = {"Cookie": f"secret={client.secret}; allanite_{address(link)[1]}={client.secret}"}
+    cookie = {"Cookie": f"secret={client.secret}; allanite_{client.http.base_url.port}={client.secret}"}
     values = ("", "Bearer", "Bearer guess", f"Basic {client.secret}")
     given = [{}, cookie, *({"Authorization": value} for value in values)]
     with Client(link, enter=False) as stranger:
@@ -85,28 +79,6 @@ def test_a_link_opens_once(client, link):
         assert other.secret == client.secret
 
 
-def entered(door, link):
-    """The status of the answer to the token of a link."""
-    sent = []
-    headers = {
-        "host": "127.0.0.1:1",
-        "origin": "http://127.0.0.1:1",
-        "authorization": f"Bearer {link.partition('=')[2]}",
-    }
-    scope = {
-        "type": "http",
-        "method": "POST",
-        "path": "/api/enter",
-        "headers": [(k.encode(), v.encode()) for k, v in headers.items()],
-    }
-
-    async def send(message):
-        sent.append(message)
-
-    apart(lambda: door(scope, None, send))
-    return sent[0]["status"]
-
-
 def test_links_are_few_and_grow_old():
     now = [0.0]
     door = Door(None, port=1, clock=lambda: now[0])
@@ -120,7 +92,10 @@ def test_links_are_few_and_grow_old():
     assert list(door.tokens) == [link.partition("token=")[2] for link in (newer, last)]
     # the one that is an hour old opens nothing, though nobody has asked for another since
     now[0] += MAX_LINK_AGE_S / 2
-    statuses = [entered(door, link) for link in (links[-1], newer, last, last)]
+    statuses = []
+    for link in (links[-1], newer, last, last):
+        headers = {"Origin": "http://127.0.0.1:1", "Authorization": f"Bearer {link.partition('=')[2]}"}
+        statuses.append(answered(door, "POST", "/api/enter", "http://127.0.0.1:1", headers=headers).status_code)
     assert statuses == [403, 403, 200, 403]
     assert door.tokens == {}
 
@@ -145,20 +120,16 @@ def test_a_secret_ends_with_its_server(tmp_path):
 
 
 @rows("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1.evil.example", ""])
-def test_another_host_is_refused(client, link, host):
-    authorization = client.http.headers["Authorization"]
-    assert raw(link, "GET", "/api/tables", Host=host, Authorization=authorization).status == 421
-    own = "{}:{}".format(*address(link))
-    assert raw(link, "GET", "/api/tables", Host=own, Authorization=authorization).status == 200
+def test_another_host_is_refused(client, host):
+    assert raw(client, "/api/tables", host) == 421
+    assert raw(client, "/api/tables") == 200
 
 
 @rows("origin", ["http://evil.example", "null", "", "https://127.0.0.1", "http://127.0.0.1:1"])
-def test_another_origin_changes_nothing(client, link, origin):
+def test_another_origin_changes_nothing(client, origin):
     before = client.get("/api/workspaces").json()
-    answer = client.http.post("/api/workspaces", json={}, headers={"Origin": origin})
-    assert answer.status_code == 403
-    own, authorization = "{}:{}".format(*address(link)), client.http.headers["Authorization"]
-    assert raw(link, "POST", "/api/workspaces", Host=own, Authorization=authorization).status == 403
+    assert client.post("/api/workspaces", headers={"Origin": origin}).status_code == 403
+    assert raw(client, "/api/workspaces", method="POST") == 403
     assert client.get("/api/workspaces").json() == before
 
 
@@ -189,27 +160,10 @@ def test_an_upload_beyond_the_limit_is_refused_and_leaves_nothing(client, folder
     stated = client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT + 1))
     streamed = client.http.post(path, params={"name": "a.csv"}, content=iter([b"1" * 1000] * (LIMIT // 1000 + 1)))
     for answer in (stated, streamed):
-        assert answer.status_code == 413
-        assert answer.json()["option"] == "limit"
-        assert answer.json()["error"].endswith("open it by its path, or raise the limit with --limit")
+        assert (answer.status_code, answer.json()["option"]) == (413, "limit")
         assert "1 MB" in answer.json()["error"]
+        assert answer.json()["error"].endswith("open it by its path, or raise the limit with --limit")
     assert [one.name for one in place.iterdir()] == ["state.json"]
-
-
-def test_the_quota_is_kept_and_room_is_made_by_deleting(client):
-    workspace = client.workspace()
-    path, files = f"/api/workspaces/{workspace}/files", []
-    for _ in range(QUOTA // LIMIT + 1):
-        answer = client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT - 10))
-        if answer.status_code != 200:
-            break
-        files.append(answer.json()["id"])
-    assert answer.status_code == 413
-    assert "allow more with --quota" in answer.json()["error"]
-    for one in files:
-        assert client.http.delete(f"{path}/{one}").status_code == 200
-    assert client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT - 10)).status_code == 200
-    assert client.http.delete(f"/api/workspaces/{workspace}").status_code == 200
 
 
 @rows(
@@ -217,10 +171,8 @@ def test_the_quota_is_kept_and_room_is_made_by_deleting(client):
     ["/../../../etc/passwd", "/%2e%2e/%2e%2e/%2e%2e/etc/passwd", "/..%2f..%2f..%2fetc%2fpasswd", "/static/../door.py",
      "/%2e%2e/door.py", "/..\\door.py", "//etc/passwd"],
 )  # fmt: skip
-def test_no_path_leads_out_of_the_page(client, link, path):
-    authorization = client.http.headers["Authorization"]
-    answer = raw(link, "GET", path, Host="{}:{}".format(*address(link)), Authorization=authorization)
-    assert answer.status == 404
+def test_no_path_leads_out_of_the_page(client, path):
+    assert raw(client, path) == 404
 
 
 @rows("name", ["..", "../..", "%2e%2e", "0" * 15, "0" * 16 + "/..", "0" * 16 + "-..", "x\0y"])
@@ -245,9 +197,8 @@ def test_names_of_files_are_words(client, folder):
         written = [path for path in store.rglob("data*") if path.stat().st_size == len(data)]
         assert len(written) == count
         assert all(path.name in ("data", "data.csv") for path in written)
-        asked = {"verb": "info", "files": [answer.json()["id"]], "recipe": {"rate": 10.0, "unit": "deg/h"}}
-        begun = client.post(f"/api/workspaces/{workspace}/jobs", asked).json()
-        assert "\n" not in begun["command"]
+        begun = client.ask(workspace, "info", [answer.json()["id"]], {"rate": 10.0, "unit": "deg/h"})
+        assert "\n" not in begun.json()["command"]
     assert not list(folder.rglob("evil*"))
     client.http.delete(f"/api/workspaces/{workspace}")
 
@@ -264,18 +215,15 @@ def test_names_of_channels_and_other_verbs(client, tmp_path):
     # other verbs are refused
     workspace = client.workspace()
     for verb in ("simulate", "export", "batch", "serve", "example", "--help", ""):
-        answer = client.post(f"/api/workspaces/{workspace}/jobs", {"verb": verb, "files": [], "recipe": {}})
+        answer = client.ask(workspace, verb)
         assert answer.status_code == 400
         assert answer.json()["error"].startswith("unknown job")
 
 
 @rows("key", ["report", "json", "csv", "plot", "force", "recipe", "threads", "lang", "debug", "limits"])
 def test_no_choice_writes_or_reads_another_file(client, key, tmp_path):
-    workspace = client.workspace()
     target = tmp_path / "written"
-    answer = client.post(
-        f"/api/workspaces/{workspace}/jobs", {"verb": "analyze", "files": [], "recipe": {key: str(target)}}
-    )
+    answer = client.ask(client.workspace(), "analyze", (), {key: str(target)})
     assert answer.status_code == 400
     assert f"unknown key '{key}' in the recipe" in answer.json()["error"]
     assert not target.exists()
@@ -283,8 +231,7 @@ def test_no_choice_writes_or_reads_another_file(client, key, tmp_path):
 
 @rows("body", [b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"verb": 3, "files": 7}', b"x" * 2_000_000])
 def test_requests_that_are_no_requests_are_refused(client, body):
-    workspace = client.workspace()
-    answer = client.http.post(f"/api/workspaces/{workspace}/jobs", content=body)
+    answer = client.http.post(f"/api/workspaces/{client.workspace()}/jobs", content=body)
     assert answer.status_code == 400
     assert set(answer.json()) == {"error", "option", "exit"}
     assert "internal error" not in answer.text
@@ -296,9 +243,8 @@ def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("gx [deg/h]\n" + "1\n2\n" * 300)
     uploaded = client.upload(one, path)
-    asked = {"verb": "info", "files": [uploaded], "recipe": {"rate": 10}}
-    answer = client.post(f"/api/workspaces/{other}/jobs", asked).json()
-    assert answer["error"] == "the file belongs to another workspace"
+    answer = client.ask(other, "info", [uploaded], {"rate": 10})
+    assert answer.json()["error"] == "the file belongs to another workspace"
     assert client.http.delete(f"/api/workspaces/{other}/files/{uploaded}").status_code == 404
     assert client.get(f"/api/workspaces/{one}").json()["files"]
 

@@ -3,6 +3,8 @@
 import json
 import os
 import signal
+from contextlib import suppress
+from glob import glob
 
 import numpy as np
 import pytest
@@ -47,9 +49,8 @@ def analyzed(client, file):
     return job
 
 
-def printed(*arguments):
-    result = run(*arguments, code=0)
-    return result.stdout
+def printed(*words):
+    return run(*words, code=0).stdout
 
 
 def test_the_json_and_the_saved_recipe_are_those_of_the_command_line(client, analyzed, file, tmp_path):
@@ -148,23 +149,16 @@ def test_results_are_saved(client, analyzed, form, begins):
 @rows(
     ("recipe", "option"),
     [
-        ({}, "rate"),
-        ({"rate": RATE, "unit": "parsec"}, "unit"),
-        ({"rate": RATE, "level": 95}, "level"),
-        ({"rate": "fast"}, "rate"),
-        ({"rate": RATE, "band": "3"}, "band"),
-        ({"rate": RATE, "exclude": "60..40"}, "exclude"),
-        ({"rate": RATE, "exclude": [[100, 900]]}, None),
-        ({"rate": RATE, "terms": "XY"}, "terms"),
-        ({"rate": RATE, "channels": ["gz"]}, "channels"),
-        ({"rate": RATE, "method": "magic"}, "method"),
-        ({"rate": RATE, "start": 50, "until": 40}, None),
+        ({}, "rate"), ({"rate": "fast"}, "rate"), ({"rate": RATE, "unit": "parsec"}, "unit"),
+        ({"rate": RATE, "level": 95}, "level"), ({"rate": RATE, "band": "3"}, "band"),
+        ({"rate": RATE, "exclude": "60..40"}, "exclude"), ({"rate": RATE, "exclude": [[100, 900]]}, None),
+        ({"rate": RATE, "terms": "XY"}, "terms"), ({"rate": RATE, "channels": ["gz"]}, "channels"),
+        ({"rate": RATE, "method": "magic"}, "method"), ({"rate": RATE, "start": 50, "until": 40}, None),
     ],
-)
+)  # fmt: skip
 def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, file, recipe, option):
     workspace = client.workspace()
-    asked = {"verb": "analyze", "files": [client.upload(workspace, file)], "recipe": recipe}
-    answer = client.post(f"/api/workspaces/{workspace}/jobs", asked)
+    answer = client.ask(workspace, "analyze", [client.upload(workspace, file)], recipe)
     problem = answer.json() if answer.status_code == 400 else list(client.events(answer.json()["job"]))[-1][1]
     words = [word for key, value in recipe.items() for word in choices_of(al.Recipe)[key].words(value)]
     said = run("analyze", *words, file)
@@ -175,106 +169,53 @@ def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, fil
         assert problem["option"] == option
 
 
-def test_two_recordings_are_compared(client, file):
+def test_two_files_with_the_same_samples_are_not_compared(client, file):
     workspace = client.workspace()
     files = [client.upload(workspace, file, name) for name in ("before.csv", "after.csv")]
-    job, last = client.run(workspace, "compare", files, {"rate": RATE, "channels": ["gy"]})
-    assert last[0] in ("done", "failed")
-    if last[0] == "failed":  # the same samples are refused, in the words of the command line
-        assert "identical" in last[1]["error"]
-    job, last = client.run(workspace, "compare", files[:1], {"rate": RATE, "part": 80, "channels": ["gy"]})
-    assert last[0] == "done"
-    assert client.get(f"/api/jobs/{job}").json()["value"]["type"] == "Comparison"
+    _, (kind, problem) = client.run(workspace, "compare", files, {"rate": RATE, "channels": ["gy"]})
+    assert kind == "failed"
+    assert "identical" in problem["error"]
 
 
-@rows("verb", ["spectrum", "dynamic", "deviation"])
-def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
+SURVEYS = [(verb, {"start": 80, "until": 180}, "Survey") for verb in ("spectrum", "dynamic", "deviation")]
+
+
+@rows("verb, recipe, kind", [("compare", {"part": 80, "channels": ["gy"]}, "Comparison"), *SURVEYS])
+def test_a_file_is_compared_with_itself_and_has_its_spectrum_and_surface(client, file, verb, recipe, kind):
     workspace = client.workspace()
-    recipe = {"rate": RATE, "start": 80, "until": 180}
-    job, last = client.run(workspace, verb, [client.upload(workspace, file)], recipe)
+    job, last = client.run(workspace, verb, [client.upload(workspace, file)], {"rate": RATE} | recipe)
     assert last[0] == "done"
-    assert len(client.get(f"/api/jobs/{job}").json()["value"]["channels"]) == 2
+    value = client.get(f"/api/jobs/{job}").json()["value"]
+    assert (value["type"], len(value["channels"])) == (kind, 2 - (verb == "compare"))
 
 
-def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
-    path = tmp_path / "growing.txt"
-    path.write_text("".join(f"{v:.6f}\n" for v in np.random.default_rng(2).normal(0.0, 2.0, 5000)))
-    workspace = client.workspace()
-    job = client.begin(workspace, "watch", [], {"rate": RATE, "unit": "deg/h", "every": 0.2}, target=str(path))
-    kinds = []
-    for kind, _ in client.events(job):
-        kinds.append(kind)
-        if kind == "live" and "stopped" not in kinds:
-            kinds.append("stopped")
-            assert client.post(f"/api/jobs/{job}/cancel").status_code == 200
-    assert kinds[-1] == "done"
-    terms = client.get(f"/api/jobs/{job}").json()["value"]["channels"][0]["fit"]["terms"]
-    assert next(term["status"] for term in terms if term["symbol"] == "N") == "identified"
+def holders(path):
+    """Other processes that have opened a file."""
+    for link in glob("/proc/[0-9]*/fd/*"):
+        with suppress(OSError):
+            pid = int(link.split("/")[2])
+            if os.readlink(link) == str(path) and pid != os.getpid():
+                yield pid
 
 
-def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path):
+@rows("killed", [False, True])
+def test_a_job_ends_at_once_in_a_sentence_and_the_next_one_runs(client, file, tmp_path, killed):
     with waiting_job(client, tmp_path) as (workspace, job):
-        client.post(f"/api/jobs/{job}/cancel")
-        assert list(client.events(job))[-1] == ("failed", {"error": "cancelled", "option": None, "exit": 130})
-        assert client.get(f"/api/jobs/{job}").json()["state"] == "cancelled"
+        if killed:
+            for pid in set(holders(tmp_path / "pipe")):
+                os.kill(pid, signal.SIGKILL)
+        else:
+            client.post(f"/api/jobs/{job}/cancel")
+        kind, problem = list(client.events(job))[-1]
+        if killed:
+            assert problem["error"].startswith("the process of this job was ended by signal 9")
+            assert "--channels" in problem["error"]
+        else:
+            assert problem == {"error": "cancelled", "option": None, "exit": 130}
+        assert kind == "failed"
+        assert client.get(f"/api/jobs/{job}").json()["state"] == ("failed" if killed else "cancelled")
         _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
         assert last[0] == "done"
-
-
-def test_a_worker_that_is_killed_is_an_error_in_a_sentence(client, file, tmp_path):
-    with waiting_job(client, tmp_path) as (workspace, job):
-        for pid in workers_of(client):
-            os.kill(pid, signal.SIGKILL)
-        kind, problem = list(client.events(job))[-1]
-    assert kind == "failed"
-    assert problem["error"].startswith("the process of this job was ended by signal 9")
-    assert "--channels" in problem["error"]
-    _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
-    assert last[0] == "done"
-
-
-def workers_of(client):
-    """Processes that have the memory of a worker: forks of the process that is ready."""
-    port = int(client.base.rpartition(":")[2])
-    server = next(int(pid) for pid in os.listdir("/proc") if pid.isdigit() and listens(int(pid), port))
-    children = descendants(server)
-    return [pid for pid in children if os.getpgid(pid) == pid and pid != server]
-
-
-def listens(pid, port):
-    try:
-        with open(f"/proc/{pid}/cmdline", "rb") as file:
-            words = file.read().split(b"\0")
-    except OSError:
-        return False
-    return b"serve" in words and b"allanite.cli" in words and owns(pid, port)
-
-
-def owns(pid, port):
-    with open("/proc/net/tcp", encoding="ascii") as file:
-        rows = [line.split() for line in file][1:]
-    inodes = {row[9] for row in rows if row[1] == f"0100007F:{port:04X}" and row[3] == "0A"}
-    for fd in os.listdir(f"/proc/{pid}/fd"):
-        try:
-            target = os.readlink(f"/proc/{pid}/fd/{fd}")
-        except OSError:
-            continue
-        if target.removeprefix("socket:[").rstrip("]") in inodes:
-            return True
-    return False
-
-
-def descendants(pid):
-    found = []
-    for other in filter(str.isdigit, os.listdir("/proc")):
-        try:
-            with open(f"/proc/{other}/stat", encoding="utf-8") as file:
-                parent = int(file.read().rpartition(")")[2].split()[1])
-        except OSError:
-            continue
-        if parent == pid:
-            found += [int(other), *descendants(int(other))]
-    return found
 
 
 def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):

@@ -1,8 +1,6 @@
 """The story of the page in a browser: a file is dropped, its noise is there, and is taken away."""
 
 import json
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -11,7 +9,7 @@ from .browsing import curves, drop, kept, saved
 pytestmark = pytest.mark.slow("the page in a browser, by one story")
 
 
-def test_a_file_is_dropped_analyzed_exported_and_there_after_a_reload(page: Any, six: Path) -> None:
+def test_a_file_is_dropped_analyzed_exported_and_there_after_a_reload(page, six):
     drop(page, six)
     curves(page)
     assert page.get_by_test_id("tab").all_inner_texts() == ["gx", "gy", "gz", "ax", "ay", "az"]

@@ -34,12 +34,7 @@ def test_a_window_has_the_extremes_and_middles_of_its_stretches(folder, start, s
     assert np.all(np.diff(found["t"]) > 0)
 
 
-def test_windows_of_all_and_of_few_samples(folder):
-    found = window(folder, "gx", 10.0, 10.5, 100)
-    assert found["low"] == found["high"]
-    np.testing.assert_allclose(found["low"], VALUES[1000:1050], rtol=1e-5)
-    np.testing.assert_allclose(found["t"], np.arange(1000, 1050) / RATE)
-    # the whole has every extreme
+def test_a_window_of_the_whole_has_every_extreme(folder):
     found = window(folder, "gx", None, None, 1000)
     assert 500 < len(found["t"]) <= 1000
     assert min(found["low"]) == pytest.approx(VALUES.min(), rel=1e-5)

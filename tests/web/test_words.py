@@ -6,7 +6,7 @@ from pathlib import Path
 import allanite as al
 
 
-def test_every_word_is_there_in_each_language() -> None:
+def test_every_word_is_there_in_each_language():
     folder = Path(al.__file__).parent / "web" / "static"
     texts = {path.name: path.read_text("utf-8") for path in folder.iterdir() if not path.name.startswith("plotly")}
     rows = dict(re.findall(r"^  (\w+): \[(.*)\],$", texts.pop("words.js"), re.MULTILINE))

@@ -10,17 +10,13 @@ HOUR = f"{COLOURED} --duration '1 h'"
 SCENARIOS = f"{VERTICAL} --scenarios --rate 50 --csv -"
 
 ROWS = (
-    *(Row(f"detuned {factor} times", f"{VERTICAL} --json -", f"/optimum/detuning/{i}/1", error, 0.005,
-          read=arcsec)
+    *(Row(f"detuned {factor} times", f"{VERTICAL} --json -", f"/optimum/detuning/{i}/1", error, 0.005, read=arcsec)
       for i, factor, error in ((0, 0.25, 28.1), (1, 0.5, 21.5), (3, 2, 21.5), (4, 4, 28.1))),
-    Row("bias: error", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/first/rms", 21.43, 0.002,
-        read=arcsec),
+    Row("bias: error", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/first/rms", 21.43, 0.002, read=arcsec),
     Row("flicker, 10 min: time constant, s", f"{COLOURED} --duration '10 min' --json -",
         "/optimum/time_constant", 0.762, 0.02),
-    Row("flicker, 1 h: time constant, s", f"{HOUR} --json -",
-        "/optimum/time_constant", 0.691, 0.03),
-    Row("flicker, 1 h: error", f"{HOUR} --json -", "/optimum/first/rms", 28.3, 0.01,
-        read=arcsec),
+    Row("flicker, 1 h: time constant, s", f"{HOUR} --json -", "/optimum/time_constant", 0.691, 0.03),
+    Row("flicker, 1 h: error", f"{HOUR} --json -", "/optimum/first/rms", 28.3, 0.01, read=arcsec),
     *(Row(f"scenario {scenario}, {name}: error, deg", SCENARIOS, f"{scenario} rms @ filter={name}", error, 0.06)
       for name, scenario, error in (
           ("accelerometer", "acceleration", 2.378), ("first order, 1 s", "acceleration", 2.286),

@@ -17,13 +17,12 @@ from allanite.reporting import page
 
 N_ONLY = '[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n'
 
-
 run = of_verb("analyze")
 
 
 def unit(path, size, seed, name="gz"):
-    noise = al.N(size, "deg/sqrt(h)") if "g" in name else al.N(size, "m/s/sqrt(h)")
-    al.write(dataclasses.replace(al.simulate(noise, 3000, 10.0, rng=np.random.default_rng(seed)), name=name), path)
+    noise = al.N(size, "deg/sqrt(h)" if "g" in name else "m/s/sqrt(h)")
+    al.write(al.simulate(noise, 3000, 10.0, rng=seed, name=name), path)
     return path
 
 
@@ -39,9 +38,8 @@ def folder(tmp_path_factory):
 
 
 def spec(tmp_path, text):
-    path = tmp_path / "spec.toml"
-    path.write_text(text)
-    return path
+    (tmp_path / "spec.toml").write_text(text)
+    return tmp_path / "spec.toml"
 
 
 def test_files_folders_and_patterns_name_units(folder):
@@ -55,15 +53,14 @@ def test_files_folders_and_patterns_name_units(folder):
     assert expand([folder], besides=[u1, None]).files == (u0,)
 
 
-def test_names_that_stand_for_nothing_are_refused(folder, tmp_path):
+def test_names_that_stand_for_nothing_and_that_look_like_a_pattern(folder, tmp_path):
     refused(al.DataError, r"no file matches '.*\*\.npz'", lambda: expand([f"{folder}/*.npz"]))
     refused(al.DataError, "holds no recording", lambda: expand([tmp_path]))
-
-
-def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
     path = unit(tmp_path / "u[1].csv", 0.1, 0)
     assert not several([path])
     assert expand([path]).files == (str(path),)
+    names = (["gyro.csv"], ["-"], ["a.csv", "b.csv"], ["units/*.csv"])
+    assert list(map(several, names)) == [False, False, True, True]
 
 
 @rows("text, words", [
@@ -93,9 +90,14 @@ def test_limits_of_one_channel_replace_those_of_all(tmp_path):
     assert [limit.words() for limit in found.of("gx", gyro)] == ["0.3 deg/sqrt(h)"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_limit_of_another_kind_of_sensor_is_named(folder, tmp_path):
     path = spec(tmp_path, '[channels.gz]\nN = { max = "0.3 m/s/sqrt(h)" }\n')
     ends(run(folder, "--limits", path), 2, "the limit of N for the channel 'gz' is in m/s/sqrt(h)")
+    # one that fits no channel passes nothing
+    limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
+    ends(run(folder / "u0.csv", "--limits", limits), 0, "1 unit: 1 not decided")
+    assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -109,6 +111,11 @@ def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
 LIMIT = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
 
 
+def scaled(seen):
+    """What was seen in deg/h, in SI."""
+    return Seen(*(v if v is None else v * LIMIT.factor for v in seen[:4]), seen.reason)
+
+
 @rows(("seen", "outcome"), [
     (Seen(1.0, 0.8, 1.2), "pass"), (Seen(1.9, 1.7, 2.1), "not decided"), (Seen(2.1, 1.9, 2.3), "not decided"),
     (Seen(2.4, 2.1, 2.7), "fail"), (Seen(1.0), "pass"), (Seen(3.0), "fail"),  # a method without intervals
@@ -116,22 +123,23 @@ LIMIT = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).
     (Seen(upper=1.5), "pass"), (Seen(upper=2.5), "not decided"), (Seen(reason="not valid"), "not decided"),
 ])  # fmt: skip
 def test_the_rule(seen, outcome):
-    sized = Seen(*(v if v is None else v * LIMIT.factor for v in seen[:4]), seen.reason)
-    assert judge("gz", LIMIT, sized).outcome == outcome
+    assert judge("gz", LIMIT, scaled(seen)).outcome == outcome
 
 
-def test_an_interval_that_holds_the_limit_is_said():
-    near = judge("gz", LIMIT, Seen(*(v * LIMIT.factor for v in (1.9, 1.7, 2.1))))
-    assert near.reason == "1.90 (1.70 .. 2.10) deg/h"
+@rows(("seen", "words"), [
+    (Seen(1.9, 1.7, 2.1), "1.90 (1.70 .. 2.10) deg/h"), (Seen(upper=3.0), "not identified, below 3.0 deg/h"),
+])  # fmt: skip
+def test_a_judgement_is_shown(seen, words):
+    assert repr(judge("gz", LIMIT, scaled(seen))) == f"<Judgement 'gz': B not decided, {words}>"
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_size_of_a_ramp_is_judged(tmp_path):
     model = al.N(0.01, "deg/sqrt(h)") + al.R(2000.0, "deg/h^2")
-    record = al.simulate(model, 3000, 10.0, rng=np.random.default_rng(0), name="gz")
+    record = al.simulate(model, 3000, 10.0, rng=0, name="gz")
     falling = dataclasses.replace(record, values=-record.values)
-    for i, one in enumerate((record, falling)):
-        al.write(one, tmp_path / f"u{i}.csv")
+    al.write(record, tmp_path / "u0.csv")
+    al.write(falling, tmp_path / "u1.csv")
     for most, outcome in (("1500", "fail"), ("2500", "pass")):
         limits = spec(tmp_path, f'[limits]\nR = {{ max = "{most} deg/h^2" }}\n')
         assert [u.outcome for u in al.batch.analyze_files(tmp_path, limits=limits)] == [outcome] * 2
@@ -139,19 +147,10 @@ def test_the_size_of_a_ramp_is_judged(tmp_path):
 
 def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_shown(folder, tmp_path):
     text = '[limits]\nK = { max = "1 deg/h/sqrt(h)" }\n[channels.gx]\nN = { max = "0.15 deg/sqrt(h)" }\n'
-    batch = al.batch.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
-    assert [(j.outcome, j.reason) for j in batch[0].judgements] == [
-        ("not decided", "'K' is not a term of this fit; its terms: N"),
-        ("not decided", "there is no channel 'gx'"),
-    ]
-    assert batch[0].outcome == "not decided"
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
-    limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
-    ends(run(folder / "u0.csv", "--limits", limits), 0, "1 unit: 1 not decided")
-    assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
+    (found,) = al.batch.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
+    reasons = ["'K' is not a term of this fit; its terms: N", "there is no channel 'gx'"]
+    assert [(j.outcome, j.reason) for j in found.judgements] == [("not decided", reason) for reason in reasons]
+    assert found.outcome == "not decided"
 
 
 @pytest.mark.slow("seconds of analyses")
@@ -177,8 +176,8 @@ def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
 @pytest.mark.slow("takes more than half a second")
 def test_standard_input_is_a_file(folder, tmp_path):
     data = (folder / "u0.csv").read_bytes()
-    alone = run("-", "--json", "-", input=data)
-    found, named = json.loads(alone.stdout), json.loads(run(folder / "u0.csv", "--json", "-").stdout)
+    found = json.loads(run("-", "--json", "-", input=data).stdout)
+    named = json.loads(run(folder / "u0.csv", "--json", "-").stdout)
     assert found["channels"] == named["channels"]
     assert found["provenance"]["source"] == "standard input"
     ends(run("-", folder / "u1.csv", input=data), 0, "standard input")
@@ -210,7 +209,7 @@ def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_mean_spread_and_worst_are_over_the_values(folder):
+def test_a_batch_holds_mean_spread_and_worst_but_no_samples(folder):
     batch = al.batch.analyze_files(folder)
     found = {one.symbol: one for one in batch.across}
     values = [u.study["gz"].fit["N"].value for u in batch]
@@ -219,19 +218,10 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     assert (found["N"].worst, found["N"].file, found["K"].identified) == (max(values), str(folder / "u1.csv"), 0)
     assert found["K"].below == max(u.study["gz"].fit["K"].upper for u in batch)
     assert np.isnan(found["K"].mean)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_device_is_said_once_for_all_units(folder):
-    result = run(folder, "--device", "mems")
-    assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_batch_holds_no_samples(folder):
-    batch = al.batch.analyze_files(folder)
-    record = batch[0].study["gz"].record
     assert (page(batch).count("<figure"), page(batch).count("<details>")) == (1, len(batch))
+    record = batch[0].study["gz"].record
     assert not isinstance(record, al.Record)
     assert (record.size, record.rate, record.name) == (3000, 10.0, "gz")
     refused(al.UsageError, "no unit 'x'", lambda: batch["x"])
+    said = run(folder, "--device", "mems").stdout
+    assert said.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1

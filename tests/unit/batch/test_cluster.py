@@ -10,7 +10,7 @@ from queue import SimpleQueue
 import pytest
 from tests.commands import run
 from tests.rows import refused
-from tests.unit.batch.tasks import deadly, doubled, waiting
+from tests.unit.batch.tasks import contents, deadly, doubled, waiting, with_bad
 
 import allanite as al
 from allanite.batch.executor import Dask
@@ -29,24 +29,11 @@ def address():
         yield cluster.scheduler_address
 
 
-@pytest.fixture
-def units(tmp_path):
-    folder = tmp_path / "units"
-    folder.mkdir()
-    for i in range(3):
-        noise = al.N(0.1, "deg/sqrt(h)") + al.K(5, "deg/h/sqrt(h)")
-        al.write(al.simulate(noise, 2000, 10.0, rng=i, name="gz"), folder / f"u{i}.csv")
-    (folder / "bad.csv").write_text("hello\nworld\n")
-    return folder
-
-
-def test_dask_gives_the_same_bytes(units, tmp_path, address):
-    one, other = tmp_path / "one", tmp_path / "other"
-    assert len(run_batch(units, one).failed) == 1
-    run("batch", units, "--out", other, "--scheduler", address, code=5)
-    assert {p.name for p in one.rglob("*.parquet")} == {p.name for p in other.rglob("*.parquet")}
-    for path in one.rglob("*.parquet"):
-        assert path.read_bytes() == (other / path.relative_to(one)).read_bytes(), path.name
+def test_dask_gives_the_same_bytes(tmp_path, address):
+    units = with_bad(tmp_path / "units", [0.1, 0.2, 0.3])
+    assert len(run_batch(units, tmp_path / "one").failed) == 1
+    run("batch", units, "--out", tmp_path / "other", "--scheduler", address, code=5)
+    assert contents(tmp_path / "one") == contents(tmp_path / "other")
 
 
 def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
@@ -58,8 +45,8 @@ def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
 
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
     monkeypatch.setattr("allanite.batch.executor.PATIENCE", 1)
-    with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):
-        list(Dask("tcp://127.0.0.1:9").run(doubled, [{"x": 1}]))
+    said = r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"
+    refused(al.UsageError, said, lambda: list(Dask("tcp://127.0.0.1:9").run(doubled, [{"x": 1}])))
 
 
 @pytest.fixture
@@ -70,9 +57,8 @@ def start(monkeypatch):
 
     def starting(*arguments, path=()):
         environment = os.environ | {"PYTHONPATH": os.pathsep.join([*map(str, path), *filter(None, sys.path)])}
-        started.append(
-            subprocess.Popen([sys.executable, "-m", "dask", *arguments], env=environment, stderr=subprocess.DEVNULL)
-        )
+        words = [sys.executable, "-m", "dask", *arguments]
+        started.append(subprocess.Popen(words, env=environment, stderr=subprocess.DEVNULL))
         return started[-1]
 
     yield starting
@@ -127,13 +113,12 @@ def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path, monkey
 
     monkeypatch.setattr(distributed.Client, "wait_for_workers", soon)
     monkeypatch.setattr("allanite.batch.executor.SimpleQueue", Soon)
-    with pytest.raises(al.UsageError, match="has no worker; start some with 'dask worker tcp://"):
-        list(Dask(at).run(doubled, [{"x": 1}]))
+    said = "has no worker; start some with 'dask worker tcp://"
+    refused(al.UsageError, said, lambda: list(Dask(at).run(doubled, [{"x": 1}])))
     worker("--no-nanny")
-    mark = tmp_path / "mark"
-    with pytest.raises(al.UsageError, match=r"has no worker; .* what is stored is not done again"):
-        list(Dask(at).run(deadly, [{"x": "once", "mark": str(mark)}]))
-    assert mark.exists()
+    item, said = {"x": "once", "mark": str(tmp_path / "mark")}, "has no worker; .* what is stored is not done again"
+    refused(al.UsageError, said, lambda: list(Dask(at).run(deadly, [item])))
+    assert (tmp_path / "mark").exists()
 
 
 def test_a_scheduler_that_ends_is_named(scheduler, tmp_path):

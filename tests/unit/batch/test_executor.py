@@ -15,8 +15,7 @@ from allanite.batch.executor import Processes, Serial
 def test_an_error_belongs_to_its_item(executor):
     found = {done.item["x"]: done for done in executor.run(doubled, [{"x": x} for x in range(6)])}
     assert {x: done.result["y"] for x, done in found.items() if x != 3} == {0: 0, 1: 2, 2: 4, 4: 8, 5: 10}
-    assert found[3].result is None
-    assert found[3].error == "internal error (RuntimeError: three)"
+    assert (found[3].result, found[3].error) == (None, "internal error (RuntimeError: three)")
 
 
 def test_a_killed_process_is_replaced_and_its_item_tried_once_more(tmp_path):
@@ -35,10 +34,7 @@ def test_processes_end_when_nobody_waits_for_the_rest():
     assert not multiprocessing.active_children()
 
 
-def test_memory_that_does_not_suffice_is_said():
+def test_what_cannot_be_done_is_said():
     (done,) = Serial().run(out_of_memory, [{}])
     assert done.error == "not enough memory; use fewer workers, or read fewer channels"
-
-
-def test_no_worker_is_refused():
     refused(al.UsageError, "at least 1, not 0", lambda: Processes(0))

@@ -6,16 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests import translated
 from tests.commands import ends, run
 from tests.rows import refused, rows
+from tests.unit.batch.tasks import gyros, with_bad
 
 import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.job import run_batch
 from allanite.batch.lot import Spool, Trend, detectable, outliers, read_lot, slope_of
-from allanite.batch.sources import several
-from allanite.batch.specification import Seen, judge
 from allanite.batch.store import dumps, loads
 from allanite.batch.tables import Across
 from allanite.phrases.phrase import say, say_count
@@ -30,14 +28,9 @@ WARM = [20, 25, 30, 35, 40, 50, 55]  # temperatures: N grows by 0.002 deg/sqrt(h
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("units")
-    lines = ["file,unit_id,temperature,date"]
-    for i, (size, warm) in enumerate(zip(SIZES, WARM, strict=True)):
-        record = al.simulate(al.N(size, "deg/sqrt(h)"), 2000, 10.0, rng=np.random.default_rng(i), name="gz")
-        al.write(record, folder / f"u{i}.csv")
-        lines.append(f"u{i}.csv,SN{i},{warm},2024-05-01")
-    (folder / "bad.csv").write_text("hello\nworld\n")
-    (folder / "manifest.txt").write_text("\n".join(f"u{i}.csv" for i in range(2)) + "\nbad.csv\n")
+    folder = with_bad(tmp_path_factory.mktemp("units"), SIZES)
+    lines = ["file,unit_id,temperature,date", *(f"u{i}.csv,SN{i},{warm},2024-05-01" for i, warm in enumerate(WARM))]
+    (folder / "manifest.txt").write_text("u0.csv\nu1.csv\nbad.csv\n")
     (folder / "manifest.csv").write_text("\n".join(lines) + "\n")
     recipe = al.Recipe(terms="N")
     run_batch(folder / "manifest.csv", folder / "results", recipe)
@@ -50,8 +43,8 @@ def test_a_lot_is_what_the_analysis_of_the_files_gives(folder):
     files = [folder / name for name in ("bad.csv", "u0.csv", "u1.csv")]
     batch, lot = al.batch.analyze_files(files, al.Recipe(terms="N"), limits=LIMITS), read_lot(folder / "few", LIMITS)
     assert lot.batch.across == batch.across
-    assert [(u.file, u.error, u.outcome) for u in lot.batch] == [(u.file, u.error, u.outcome) for u in batch]
-    assert [u.judgements for u in lot.batch] == [u.judgements for u in batch]
+    stored, made = ([(u.file, u.error, u.outcome, u.judgements) for u in units] for units in (lot.batch, batch))
+    assert stored == made
     assert to_csv(lot, coefficients=True) == to_csv(batch, coefficients=True)
     assert to_csv(lot) == to_csv(batch)
     assert not lot.trends
@@ -82,22 +75,17 @@ def test_a_uniform_lot_has_an_outlying_unit_one_time_in_twenty(size):
     assert share == pytest.approx(0.05, abs=0.025)
 
 
-def test_two_outliers_do_not_hide_each_other():
+def test_what_is_outlying_and_what_can_be_detected():
     values = np.random.default_rng(0).standard_normal(25)
     values[[3, 17]] = 7.0, 7.2
     assert (sorted(outliers(values)), outliers(np.ones(10))) == ([3, 17], [])
+    assert [round(detectable(count)) for count in (4, 6, 10)] == [10, 5, 4]
 
 
 def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
     of = "gz", "N", LIMITS.limits[0].signal, "date", np.arange(9.0), np.ones(9)
     assert not Trend(*of, 1.0, -1.0, 3.0).shown
     assert Trend(*of, -1.0, -2.0, -0.5).shown
-
-
-def test_the_verb_shows_it_in_other_languages(folder):
-    shown = run("lot", folder / "results", "--lang", "ru")
-    assert translated(say("quantiles"), "ru") in shown.stdout
-    ends(run("lot", folder / "few", "--lang", "ru"), 5, "bad.csv")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -107,9 +95,7 @@ def test_few_units_are_tested_or_said_not_to_be(folder, tmp_path):
     assert "No unit is outlying" not in few
     assert "quantiles" not in few
     (tmp_path / "units").mkdir()
-    for i, size in enumerate((0.12, 0.1, 0.1, 0.1, 0.1)):
-        record = al.simulate(al.N(size, "deg/sqrt(h)"), 30_000, 10.0, rng=np.random.default_rng(i), name="gz")
-        al.write(record, tmp_path / "units" / f"u{i}.csv")
+    gyros(tmp_path / "units", (0.12, 0.1, 0.1, 0.1, 0.1), 30_000)
     run_batch(tmp_path / "units", tmp_path / "results", al.Recipe(terms="N"))
     lot = read_lot(tmp_path / "results")
     assert [Path(one.file).name for one in lot.outlying if one.symbol == "N"] == ["u0.csv"]
@@ -122,9 +108,10 @@ def test_numbers_of_some_units_say_of_how_many():
     assert [cell.endswith(" (of 2)") for cell in across_table(batch, [found]).rows[0][3:6]] == [True, True, False]
 
 
-def test_limits_end_with_their_exit_code(folder, tmp_path):
+def test_exit_codes(folder, tmp_path):
     (tmp_path / "spec.toml").write_text('[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n')
     ends(run("lot", folder / "results", "--limits", tmp_path / "spec.toml"), 4, "u6.csv")
+    ends(run("lot", folder / "few", "--lang", "ru"), 5, "bad.csv")
 
 
 def test_what_cannot_be_shown_is_said(folder, tmp_path):
@@ -139,6 +126,9 @@ def test_what_cannot_be_shown_is_said(folder, tmp_path):
 
 
 def test_a_stored_phrase_is_still_one():
+    text = dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
+    assert text == '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
+    assert loads(text)["what"] == "at 2.5 Hz"
     phrase = say("{what}: {n}", what=say("minimum"), n=np.int64(3))
     assert loads(dumps([phrase]))[0].fields["what"].templates == ("minimum",)
     assert loads(dumps(say_count(2, "{count} sample", "{count} samples"))) == "2 samples"
@@ -153,19 +143,4 @@ def test_a_unit_of_a_lot_holds_no_study_and_is_stored_and_pickled_as_any_other(f
     assert again.to_dict() == unit.to_dict() == BatchUnit.from_dict(unit.to_dict()).to_dict()
     assert unit.study.channels[0].fit["N"].value == again.study.channels[0].fit["N"].value
     assert type(lot).from_dict(lot.to_dict()).to_dict() == lot.to_dict()
-
-
-def test_examples_of_the_parts_of_a_batch():
-    assert [round(detectable(count)) for count in (4, 6, 10)] == [10, 5, 4]
     assert len(Spool().put(Study((), al.Recipe(), (), (), {}))().channels) == 0
-    names = (["gyro.csv"], ["-"], ["a.csv", "b.csv"], ["units/*.csv"])
-    assert list(map(several, names)) == [False, False, True, True]
-    limit = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
-    unit = limit.factor
-    words = "<Judgement 'gz': B not decided, 1.90 (1.70 .. 2.10) deg/h>"
-    assert repr(judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))) == words
-    words = "<Judgement 'gz': B not decided, not identified, below 3.0 deg/h>"
-    assert repr(judge("gz", limit, Seen(upper=3 * unit))) == words
-    stored = dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
-    assert stored == '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
-    assert loads(stored)["what"] == "at 2.5 Hz"

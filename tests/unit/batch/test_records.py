@@ -1,17 +1,23 @@
-"""Many records: nothing is done twice, one bad file stops nothing, and how they are run does not change a byte."""
+"""Many records: nothing is done twice, one bad file stops nothing, and how they are run does not change a byte.
 
-import errno
+What breaks a batch, really: its process is killed, its disk is full, another run is at the same folder.
+"""
+
 import multiprocessing
-import os
+import resource
 import shutil
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import refused, rows
+from tests.unit.batch.tasks import contents, stored, with_bad
 
 import allanite as al
 from allanite.batch import job, store
@@ -23,11 +29,7 @@ from allanite.batch.sources import manifest_of
 @pytest.fixture(scope="module")
 def units(tmp_path_factory):
     """Six recordings, one that is none, and a copy of one by another name."""
-    folder = tmp_path_factory.mktemp("units")
-    for i in range(6):
-        noise = al.N(0.1 + 0.02 * i, "deg/sqrt(h)")
-        al.write(al.simulate(noise, 2000, 10.0, rng=np.random.default_rng(i), name="gz"), folder / f"u{i}.csv")
-    (folder / "bad.csv").write_text("hello\nworld\n")
+    folder = with_bad(tmp_path_factory.mktemp("units"), 0.1 + 0.02 * np.arange(6))
     shutil.copy(folder / "u0.csv", folder / "v0.csv")
     return folder
 
@@ -37,14 +39,6 @@ def serial(units, tmp_path_factory):
     """The results of one process."""
     results = tmp_path_factory.mktemp("results") / "serial"
     return run_batch(units, results), results
-
-
-def contents(results):
-    return {path.relative_to(results): path.read_bytes() for path in results.rglob("*") if path.is_file()}
-
-
-def stored(results, name):
-    return parquet.read_table(results / f"{name}.parquet").to_pylist()
 
 
 def counted(monkeypatch, *, until=10**9):
@@ -68,19 +62,17 @@ def test_one_bad_file_is_named_and_the_others_have_their_rows(units, serial):
     assert (found.analyzed, found.before) == (7, 0)  # of two with the same content, one
     status = {Path(row["file"]).name: row["status"] for row in stored(results, "files")}
     assert status == {"bad.csv": "failed"} | {f"u{i}.csv": "done" for i in range(6)} | {"v0.csv": "done"}
-    studies = {f"u{i}.csv": al.analyze(units / f"u{i}.csv") for i in range(2)}
-    for name, study in studies.items():
-        (channel,) = study
-        of = {row["symbol"]: row for row in stored(results, "coefficients") if Path(row["file"]).name == name}
+    for name in ("u0.csv", "u1.csv"):
+        (channel,) = al.analyze(units / name)
+        coefficients, curve, findings = (
+            [row for row in stored(results, table) if Path(row["file"]).name == name]
+            for table in ("coefficients", "curves", "findings")
+        )
+        of = {row["symbol"]: [row[key] for key in ("value", "upper", "status", "low", "high")] for row in coefficients}
         for e in channel.fit:
-            assert (of[e.symbol]["value"], of[e.symbol]["upper"], of[e.symbol]["status"]) == (
-                e.value, e.upper, e.status,
-            )  # fmt: skip
-            assert (of[e.symbol]["low"], of[e.symbol]["high"]) == e.interval()
-        curve = [row for row in stored(results, "curves") if Path(row["file"]).name == name]
+            assert of[e.symbol] == [e.value, e.upper, e.status, *e.interval()]
         assert [row["deviation"] for row in curve] == list(channel.curve.deviation)
-        names = [row["name"] for row in stored(results, "findings") if Path(row["file"]).name == name]
-        assert names == list(channel.quality.names)
+        assert [row["name"] for row in findings] == list(channel.quality.names)
 
 
 @pytest.mark.slow("processes that are killed")
@@ -104,8 +96,7 @@ def test_an_interrupted_batch_does_what_is_missing(units, serial, tmp_path, monk
         first = counted(patch, until=3)
         with pytest.raises(KeyboardInterrupt):
             run_batch(units, tmp_path / "r")
-    status = [row["status"] for row in stored(tmp_path / "r", "files")]
-    assert status == ["open"] * 8
+    assert [row["status"] for row in stored(tmp_path / "r", "files")] == ["open"] * 8
     second = counted(monkeypatch)
     found = run_batch(units, tmp_path / "r")
     assert (len(first), len(second), found.before) == (3, 4, 4)  # u0.csv and its copy, u1.csv, bad.csv
@@ -184,48 +175,23 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
     assert not run_batch(entry, tmp_path / "r").failed
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp_path, monkeypatch):
-    real, calls = os.fsync, []
-
-    def full(number):
-        calls.append(number)
-        if len(calls) == 4:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        real(number)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "fsync", full)
-        refused(al.UsageError, "No space left on device", lambda: run_batch(units, tmp_path / "r"))
-    assert (len(list((tmp_path / "r" / "parts").iterdir())), run_batch(units, tmp_path / "r").analyzed) == (2, 5)
-
-
 def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
-    path = tmp_path / "m.csv"
-    path.write_text(
-        "file,unit_id,temperature,date,lab\n"
-        f"{units}/u1.csv,SN1,25.5,2024-05-31T12:00+02:00,A\n"
-        f"{units}/u0.csv,SN0,,2024-05-31,\n"
-        "missing.csv,SN9,20,,B\n"
+    (tmp_path / "m.csv").write_text(
+        f"file,unit_id,temperature,date,lab\n{units}/u1.csv,SN1,25.5,2024-05-31T12:00+02:00,A\n"
+        f"{units}/u0.csv,SN0,,2024-05-31,\nmissing.csv,SN9,20,,B\n"
     )
-    found = run_batch(path, tmp_path / "r", executor=Serial())
+    found = run_batch(tmp_path / "m.csv", tmp_path / "r", executor=Serial())
     assert [f.error for f in found.failed] == ["no such file; check the name and the folder"]
-    got = {row["unit_id"]: row for row in stored(tmp_path / "r", "files")}
-    assert (got["SN1"]["temperature"], got["SN1"]["date"].isoformat(), got["SN1"]["lab"]) == (
-        25.5, "2024-05-31T10:00:00", "A",
-    )  # fmt: skip
-    assert (got["SN0"]["temperature"], got["SN0"]["lab"], got["SN9"]["status"]) == (None, None, "failed")
+    SN0, SN1, SN9 = sorted(stored(tmp_path / "r", "files"), key=lambda row: row["unit_id"])
+    assert (SN1["temperature"], SN1["date"].isoformat(), SN1["lab"]) == (25.5, "2024-05-31T10:00:00", "A")
+    assert (SN0["temperature"], SN0["lab"], SN9["status"]) == (None, None, "failed")
 
 
 @rows(("name", "text", "words"), [
     ("m.csv", "path,unit_id\na.csv,1\n", "has no column 'file' but"),
     ("m.csv", "file,temperature\na.csv,warm\n", "line 2: the temperature is a number, not 'warm'"),
     ("m.csv", "file,date\na.csv,31.5.24\n", "line 2: the date is written as 2024-05-31"),
-    (
-        "m.csv",
-        "file,date\na.csv,9999-12-31T23:59:59-23:59\n",
-        "line 2: the date '9999.* is outside the years 1 to 9999",
-    ),
+    ("m.csv", "file,date\na.csv,9999-12-31T23:59:59-23:59\n", "line 2: the date '9999.* is outside the years 1 to 99"),
     ("m.csv", f"file,lab\na.csv,{'x' * 200_000}\n", "line 2: field larger than field limit"),
     ("m.csv", f"file,date\na.csv,{'x' * 100_000}\n", r"line 2: the date .{20,300}$"),
     ("m.csv", 'file,lab\na.csv,"B\nb.csv,C\n', "line 2: unexpected end of data; is a quotation mark missing"),
@@ -253,22 +219,14 @@ def batch(*words):
 def test_the_verb_names_what_failed(units, serial, tmp_path):
     shutil.copytree(serial[1], tmp_path / "r")
     done = batch(units, "--out", tmp_path / "r")
-    assert done.exit_code == 5
+    ends(done, 5, f"{units / 'bad.csv'}: no rows of numbers")
     assert "8 files: 0 analyzed now, 8 done before, 1 failed" in done.stdout
-    assert f"{units / 'bad.csv'}: no rows of numbers" in done.stderr
     (tmp_path / "bad.txt").write_text(str(units / "bad.csv"))
     assert batch(tmp_path / "bad.txt", "--out", tmp_path / "r").exit_code == 3
-
-
-def test_workers_and_a_scheduler_exclude_each_other(units, tmp_path):
-    done = batch(units, "--out", tmp_path / "r", "--scheduler", "tcp://127.0.0.1:9")
-    assert done.exit_code == 2
-    assert "give one of them" in done.stderr
+    ends(batch(units, "--out", tmp_path / "r", "--scheduler", "tcp://127.0.0.1:9"), 2, "give one of them")
     # an option that fits no file is a wrong usage
     (tmp_path / "one.txt").write_text(str(units / "u0.csv"))
-    done = batch(tmp_path / "one.txt", "--out", tmp_path / "r", "--method", "guess")
-    assert done.exit_code == 2
-    assert "guess" in done.stderr
+    ends(batch(tmp_path / "one.txt", "--out", tmp_path / "r", "--method", "guess"), 2, "guess")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -281,3 +239,79 @@ def test_what_is_stored_does_not_depend_on_who_started_it(units, tmp_path):
     assert batch(tmp_path / "one.txt", "--out", tmp_path / "command").exit_code == 0
     assert contents(tmp_path / "python") == contents(tmp_path / "command")
     assert any("--outliers" in row["remedy"] for row in stored(tmp_path / "python", "findings"))
+
+
+KILLED = """
+import os, signal
+from allanite.batch.store import Store
+from allanite.cli import main
+put = Store.put
+
+def third(store, key, result):
+    put(store, key, result)
+    if len(list(store.folder.glob("parts/*.parquet"))) == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+Store.put = third
+main()
+"""
+
+
+def ended(units, results, program=("-m", "allanite.cli"), **choices):
+    """The exit code and the last words of a batch in a process of its own."""
+    words = [sys.executable, *program, "batch", units, "--out", results, "--workers", "1"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, **choices)
+    return done.returncode, done.stderr
+
+
+def resumed(units, results, expected):
+    """What the next run does is what the one before has not done, and nothing else."""
+    before = len(list(results.glob("parts/*.parquet")))
+    assert 0 < before < 7
+    found = run_batch(units, results)
+    assert (found.before, found.analyzed) == (before + 1, 7 - before)  # u0.csv and its copy have one part
+    assert [Path(file.file).name for file in found.failed] == ["bad.csv"]
+    assert contents(results) == contents(expected)
+
+
+@pytest.mark.slow("processes that are killed")
+def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, serial, tmp_path):
+    results = tmp_path / "r"
+    assert ended(units, results, ("-c", KILLED))[0] == -signal.SIGKILL
+    for draft in (results / ".allanite-0123456789ab.part", results / "parts" / ".allanite-ba9876543210.part"):
+        draft.write_bytes(b"PAR1")  # what it may have been writing
+    resumed(units, results, serial[1])
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, serial, tmp_path):
+    keys = dict.fromkeys(row["key"] for row in stored(serial[1], "files"))
+    sizes = [store.Store.opened(serial[1]).part(key).stat().st_size for key in keys]
+    limits = max(sizes[2:]) - 1, max(sizes[2:])  # of the first two both fit, or the test says so
+    limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits)}
+    code, told = ended(units, tmp_path / "r", **limited)
+    assert code == 2
+    assert "File too large); give another path" in told
+    assert not list((tmp_path / "r").rglob(".allanite-*"))
+    resumed(units, tmp_path / "r", serial[1])
+
+
+def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
+    with store.Store.opened(tmp_path / "r", new=True).alone():
+        refused(al.UsageError, "another run writes its", lambda: run_batch(units, tmp_path / "r"))
+    assert not list((tmp_path / "r" / "parts").iterdir())
+
+
+@pytest.mark.slow("libraries of others")
+def test_duckdb_pandas_and_polars_open_the_tables(serial):
+    duckdb, pd, pl = map(pytest.importorskip, ("duckdb", "pandas", "polars"))
+    for name in ("files", "coefficients", "curves", "findings"):
+        path = str(serial[1] / f"{name}.parquet")
+        ((count,),) = duckdb.sql(f"select count(*) from '{path}'").fetchall()  # noqa: S608 - our own path
+        assert count == len(pd.read_parquet(path)) == pl.read_parquet(path).height > 0
+    (largest,) = duckdb.sql(
+        f"""select f.file, c.value from '{serial[1]}/files.parquet' f join '{serial[1]}/coefficients.parquet' c
+        using (file) where c.symbol = 'N' and f.status = 'done' order by c.value desc limit 1"""  # noqa: S608
+    ).fetchall()
+    assert Path(largest[0]).name == "u5.csv"
+    assert largest[1] == max(row["value"] for row in stored(serial[1], "coefficients") if row["symbol"] == "N")

@@ -1,9 +1,8 @@
 """What is right agrees, and what is wrong is found and explained."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from tests.rows import refused, rows
 
 import allanite as al
@@ -16,7 +15,7 @@ GYRO, ACCELEROMETER = "N 1 deg/sqrt(h), K 300 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)
 
 
 def simulated(model, name, seed):
-    return replace(al.simulate(al.Model(model), SIZE, RATE, rng=np.random.default_rng(seed)), name=name)
+    return al.simulate(al.Model(model), SIZE, RATE, rng=seed, name=name)
 
 
 @pytest.fixture(scope="module")
@@ -56,11 +55,10 @@ def test_what_is_claimed_rightly_agrees(recording):
         assert row.quantity == "kurtosis" or row.low < row.ratio < row.high
 
 
-@rows(
-    ("factor", "name"),
-    [(2**0.5, "sqrt(2)"), (2**-0.5, "1/sqrt(2)"), (RATE**0.5, "sqrt(rate)"), (1 / RATE, "1/rate"), (60, "60"),
-     (57.29578, "57.3"), (9.80665, "9.81"), (300, ""), (1.05, "")],
-)  # fmt: skip
+@rows(("factor", "name"), [
+    (2**0.5, "sqrt(2)"), (2**-0.5, "1/sqrt(2)"), (RATE**0.5, "sqrt(rate)"), (1 / RATE, "1/rate"), (60, "60"),
+    (300, ""), (1.05, ""),
+])  # fmt: skip
 def test_the_factor_of_white_noise_is_found_and_named(recording, factor, name):
     found = al.check(recording["gx"], f"N {1 / factor} deg/sqrt(h), K 300 deg/h/sqrt(h)")
     (cause,) = found.causes
@@ -143,11 +141,7 @@ def markov(time, seed, drive=None):
     rng = np.random.default_rng(seed)
     phi = np.exp(-1 / (RATE * time))
     drive = rng.standard_normal if drive is None else drive(rng)
-    b, values = 0.0, np.empty(SIZE)
-    for i, w in enumerate(drive(SIZE)):
-        b = phi * b + np.sqrt(1 - phi**2) * w
-        values[i] = b
-    return 1e-3 * values + 1e-3 * rng.standard_normal(SIZE)
+    return 1e-3 * lfilter([np.sqrt(1 - phi**2)], [1, -phi], drive(SIZE)) + 1e-3 * rng.standard_normal(SIZE)
 
 
 SAME = "N 1.414214e-4 rad/s/sqrt(Hz), GM 1e-3 rad/s {} s; N 1 ug/sqrt(Hz), GM 1 ug 4 s"
@@ -155,10 +149,11 @@ SAME = "N 1.414214e-4 rad/s/sqrt(Hz), GM 1e-3 rad/s {} s; N 1 ug/sqrt(Hz), GM 1 
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_correlation_time_is_found():
-    names = "xy"
-    right = al.Recording(tuple(al.Record(markov(20.0, i), RATE, "rad/s", name=names[i]) for i in range(2)))
+    right, wrong = (
+        al.Recording(tuple(al.Record(markov(time, i), RATE, "rad/s", name=name) for i, name in enumerate("xy")))
+        for time in (20.0, 4.0)
+    )
     assert al.check(right, SAME.format(20)).agrees
-    wrong = al.Recording(tuple(al.Record(markov(4.0, i), RATE, "rad/s", name=names[i]) for i in range(2)))
     found = al.check(wrong, SAME.format(40))
     (time,) = (row for row in found.terms if row.quantity == "T")
     assert (time.channel, time.outcome, time.claimed) == ("x, y", DIFFERS, 40.0)

@@ -26,11 +26,6 @@ def folder(tmp_path_factory):
         records = [al.simulate(MODEL, 4096, 100.0, rng=10 * seed + i, name=channel) for i, channel in enumerate("xy")]
         scaled = [al.Record(r.values * factor, 100.0, r.unit, name=r.name) for r in records]
         al.write(al.Recording(tuple(scaled)), place / f"{name}.csv")
-    (place / "empty.csv").write_bytes(b"")
-    (place / "constant.csv").write_text("x [rad/s]\n" + "1.5\n" * 3000)
-    (place / "accelerometer.csv").write_text(
-        "x [m/s^2]\n" + "".join(f"{v:.6f}\n" for v in np.random.default_rng(1).standard_normal(4000))
-    )
     return place
 
 
@@ -39,9 +34,8 @@ def test_before_and_after(folder, tmp_path):
     suffixes = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
     paths = {name: tmp_path / f"out.{end}" for name, end in suffixes.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
-    result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked, code=0)
-    assert "the noise has changed" in result.stdout
-    assert "not resolvable in these records" in " ".join(result.stdout.split())
+    result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked)
+    ends(result, 0, "the noise has changed", "not resolvable in these records")
     assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
     data = json.loads(paths["json"].read_text("utf-8"), parse_constant=pytest.fail)
     (channel,) = data["channels"]
@@ -66,12 +60,11 @@ def test_before_and_after(folder, tmp_path):
 
 @pytest.mark.slow("takes more than half a second")
 def test_channels_of_one_file_and_of_two(folder):
-    alone = run(folder / "before.csv", "--json", "-")
-    assert json.loads(alone.stdout)["channels"][0]["name"] == "x / y"
-    crossed = run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--against", "y", "--json", "-")
-    assert json.loads(crossed.stdout)["channels"][0]["name"] == "x / y"
-    both = run(folder / "before.csv", folder / "after.csv", "--json", "-", "--quiet")
-    assert [channel["name"] for channel in json.loads(both.stdout)["channels"]] == ["x", "y"]
+    both = (folder / "before.csv", folder / "after.csv")
+    crossed = (*both, "--channels", "x", "--against", "y")
+    for words, names in ((both[:1], ["x / y"]), (crossed, ["x / y"]), ((*both, "--quiet"), ["x", "y"])):
+        channels = json.loads(run(*words, "--json", "-").stdout)["channels"]
+        assert [channel["name"] for channel in channels] == names
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -93,60 +86,40 @@ def test_a_part_against_the_rest(folder):
     ends(run(folder / "before.csv", "--channels", "x", "--part", "20"), 0, "first 20 s", "whole")
 
 
-@rows("arguments, code, words", [
-    ((), 2, ["FILE"]), (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
-    (("before.csv", "after.csv", "--part", "20"), 2, ["--part splits a single file"]),
-    (("before.csv", "--against", "y"), 2, ["--against"]),
-    (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
-    (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
-    (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["record 2"]),
-    (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
-    (("before.csv", "before.csv"), 3, ["identical samples"]),
-    (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
-    (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
-    (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),
+@rows("arguments, words", [
+    ((), ["FILE"]), (("before.csv", "--channels", "x"), ["one channel", "--part"]),
+    (("before.csv", "after.csv", "--part", "20"), ["--part splits a single file"]),
+    (("before.csv", "--against", "y"), ["--against"]), (("before.csv", "after.csv", "--channels", "q"), ["'q'", "x"]),
+    (("before.csv", "after.csv", "--statistic", "mtie"), ["mtie", "oadev"]),
 ])  # fmt: skip
-def test_bad_input(folder, monkeypatch, arguments, code, words):
+def test_bad_input(folder, monkeypatch, arguments, words):
     monkeypatch.chdir(folder)
-    result = run(*arguments, code=code)
-    assert all(word in result.stderr for word in words), result.stderr
-    assert "Traceback" not in result.output
+    ends(run(*arguments), 2, *words)
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_pages_that_would_do_harm_and_models_that_do_not_explain(folder, tmp_path):
-    record = al.read(folder / "before.csv")["x"]
-    other = al.read(folder / "after.csv")["x"]
-    name = "<script>alert(1)</script>\x1b[31m"
-    found = al.compare(*(al.Record(r.values, r.rate, r.unit, name=name) for r in (record, other)))
-    al.report(found, tmp_path / "page.html")
-    assert (tmp_path / "page.html").read_text("utf-8").count("<script") == 1  # its own
-    assert "\x1b" not in table(found)
-    # a model that does not explain its record is not passed over
-    rng = np.random.default_rng(1)
-    plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name="z") for _ in range(2))
-    rising = al.Record(other.values * np.repeat([1.0, 1.6], 10_000), 100.0, other.unit, name="z")
-    found = al.compare(plain, rising)
-    (pair,) = found.pairs
+def test_a_name_that_would_do_harm_and_a_model_that_does_not_explain():
+    rng, name = np.random.default_rng(1), "<script>alert(1)</script>\x1b[31m"
+    plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name=name) for _ in range(2))
+    rising = al.Record(other.values * np.repeat([1.0, 1.6], 10_000), 100.0, other.unit, name=name)
+    compared = al.compare(plain, rising)
+    shown = page(compared)
+    assert shown.count("<script") == 1  # its own
+    assert "\x1b" not in table(compared)
+    (pair,) = compared.pairs
     assert pair.explained == (True, False)
     assert pair.alerts[0].startswith("record 2: ")
     assert "noise level" in pair.alerts[0]
     assert pair.grades[0] == "explained"
     assert "may appear as a change of one of its terms" in pair.alerts[0]
-    assert '<li class="alert">' in page(found)
+    assert '<li class="alert">' in shown
 
 
-@rows(
-    "arguments",
-    thinned(
-        [
-            ["before.csv", "after.csv", "--channels", "x", "--against", "y", "--terms", "QNK", "--band", "0.1,40"],
-            ["before.csv", "--part", "25", "--until", "40", "--level", "0.9", "--outliers", "keep"],
-            ["before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"],
-        ],
-        1,
-    ),
-)
+@rows("arguments", thinned([
+    ["before.csv", "after.csv", "--channels", "x", "--against", "y", "--terms", "QNK", "--band", "0.1,40"],
+    ["before.csv", "--part", "25", "--until", "40", "--level", "0.9", "--outliers", "keep"],
+    ["before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"],
+], 1))  # fmt: skip
 def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatch, arguments):
     monkeypatch.chdir(folder)
     files = [argument for argument in arguments if argument.endswith(".csv")]
@@ -158,10 +131,9 @@ def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatc
 
 @pytest.mark.slow("takes more than half a second")
 def test_every_file_is_read_with_the_options_and_named(folder, tmp_path):
-    paths = []
-    for name in ("before", "after"):
-        paths.append(tmp_path / f"{name}.bin")
-        al.read(folder / f"{name}.csv")["x"].values.astype("<f4").tofile(paths[-1])
+    paths = [tmp_path / f"{name}.bin" for name in ("before", "after")]
+    for path in paths:
+        al.read(folder / f"{path.stem}.csv")["x"].values.astype("<f4").tofile(path)
     found = run(*paths, "--dtype", "f4", "--rate", "100", "--unit", "rad/s", "--kind", "rate", "--json", "-", code=0)
     wanted = json.loads(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", "-").stdout)
     terms = [data["channels"][0]["terms"][1]["change_percent"] for data in (json.loads(found.stdout), wanted)]

@@ -29,25 +29,25 @@ def test_every_format_is_written_and_read_again(tmp_path, suffix):
 
 def test_quantization_is_made_by_rounding_on_request(tmp_path):
     path, model = tmp_path / "out.npz", "Q 20 arcsec, N 2 deg/sqrt(h)"
-    result = run(path, "--model", model, "--rate", 10, "--samples", 500, "--seed", 4, "--unit", "rad/s", "--rounding")
-    assert result.exit_code == 0, result.stderr
+    asked = ("--rate", 10, "--samples", 500, "--seed", 4, "--unit", "rad/s", "--rounding")
+    run(path, "--model", model, *asked, code=0)
     again = al.simulate(al.Model(model), 500, 10.0, rng=4, rounding=True)
     np.testing.assert_allclose(al.read(path)[0].values, again.values, rtol=1e-12)
-    assert run(path, "--model", "N 2 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--rounding").exit_code == 2
+    run(tmp_path / "b.npz", "--model", "N 2 deg/sqrt(h)", *asked, code=2)
 
 
 def test_an_effect_is_that_of_its_column(tmp_path):
     path, plain = tmp_path / "out.npz", tmp_path / "plain.npz"
     line = ("--model", "N 1 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--channels", 2)
-    assert run(plain, *line).exit_code == 0
-    assert run(path, *line, "--effect", "temp 2 degC 40 s 3 deg/h", "--effect", "disp 1 um 7 s 1 deg/h").exit_code == 0
+    run(plain, *line, code=0)
+    run(path, *line, "--effect", "temp 2 degC 40 s 3 deg/h", "--effect", "disp 1 um 7 s 1 deg/h", code=0)
     recording = al.read(path)
     assert [(record.name, record.unit) for record in recording][2:] == [("temp", "degC"), ("disp", "um")]
     *gyros, temp, disp = (record.values for record in recording)
     np.testing.assert_allclose(temp, 2 * np.sin(2 * np.pi * np.arange(500) / 400), atol=1e-12)
     for gyro, alone in zip(gyros, al.read(plain), strict=True):
         np.testing.assert_allclose(gyro - alone.values, 1.5 * temp + disp, atol=1e-9)
-    for wrong in ("temp", "temp 2 degC", "temp 2 40 s 3 deg/h", ""):
+    for wrong in ("temp 2 degC", "temp 2 40 s 3 deg/h", ""):
         assert "--effect has the form" in run(path, *line, "--force", "--effect", wrong).stderr, wrong
 
 
@@ -55,10 +55,10 @@ def test_all_faults_at_once(tmp_path):
     path = tmp_path / "out.npz"
     result = run(
         path, "--model", "N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s", "--rate", 100, "--samples", 5000, "--constant",
-        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-profile", "0:1, 25:1, 25:2", "--outliers", "0.1% 20", "--clip",
-        "300 deg/h", "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
+        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-profile", "0:1, 25:1, 25:2", "--outliers", "0.1% 20",
+        "--clip", "300 deg/h", "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s",
+        "--json", "-", code=0,
     )  # fmt: skip
-    assert result.exit_code == 0, result.stderr
     truth = json.loads(result.stdout)
     steps = truth["channels"][0]["history"]
     begins = ["simulated", "constant", "low-pass", "noise", "", "0 samples clipped", "angle rounded", ""]
@@ -68,29 +68,21 @@ def test_all_faults_at_once(tmp_path):
     assert list(al.read(path)[0].history) == steps
 
 
-def test_a_low_pass_is_of_first_order_unless_told_otherwise(tmp_path):
-    made = []
-    for filtered in ("20 Hz", "20 Hz 1", "20 Hz 2"):
-        path = tmp_path / f"{filtered}.npz"
-        done = run(path, "--sensor", "mems", "--rate", 100, "--samples", 200, "--low-pass", filtered)
-        assert done.exit_code == 0, done.stderr
-        made.append(al.read(path)[0].values)
-    np.testing.assert_array_equal(made[0], made[1])
-    assert np.ptp(made[0] - made[2]) > 0
-
-
-def test_a_noise_profile_as_text_and_as_a_file(tmp_path):
+def test_the_order_of_a_low_pass_and_the_profile_of_a_noise_have_several_forms(tmp_path):
     usual = ("--model", "N 0.01 deg/sqrt(h)", "--rate", 100, "--samples", 5000)
     (tmp_path / "profile.csv").write_text("time,factor\n0,1\n10,3\n40,1\n", "utf-8")
-    for name, profile in (("a", "0:1, 10:3, 40:1"), ("b", str(tmp_path / "profile.csv"))):
-        done = run(tmp_path / f"{name}.npz", *usual, "--noise-profile", profile)
-        assert done.exit_code == 0, done.stderr
-    one, other = (al.read(tmp_path / f"{name}.npz")[0] for name in "ab")
-    np.testing.assert_array_equal(one.values, other.values)
-    assert one.values[800:1200].std() > 2 * one.values[-800:].std()
+    choices = {"--low-pass": ("20 Hz", "20 Hz 1", "20 Hz 2"),
+               "--noise-profile": ("0:1, 10:3, 40:1", tmp_path / "profile.csv", "0:1, 10:2, 40:1")}  # fmt: skip
+    for option, forms in choices.items():
+        for k, form in enumerate(forms):
+            run(tmp_path / f"{k}.npz", *usual, option, form, "--force", code=0)
+        first, same, other = (al.read(tmp_path / f"{k}.npz")[0].values for k in range(3))
+        np.testing.assert_array_equal(first, same)
+        assert np.ptp(first - other) > 0
+    assert first[800:1200].std() > 2 * first[-800:].std()
     ends(run(tmp_path / "c.npz", *usual, "--noise-profile", "0:1, x"), 2, "--noise-profile takes '0:1, 600:3, 1200:1'")
     (tmp_path / "empty.csv").write_text("time,factor\n", "utf-8")
-    assert run(tmp_path / "c.npz", *usual, "--noise-profile", tmp_path / "empty.csv").exit_code == 3
+    run(tmp_path / "c.npz", *usual, "--noise-profile", tmp_path / "empty.csv", code=3)
 
 
 def test_names_units_and_progress_of_channels(tmp_path, monkeypatch):
@@ -110,10 +102,8 @@ def test_names_units_and_progress_of_channels(tmp_path, monkeypatch):
     told = []
     bar = contextlib.nullcontext(lambda _, share: told.append(share))
     monkeypatch.setattr("allanite.cli.simulate.progress", lambda _: bar)
-    done = run(tmp_path / "a.npz", "--sensor", "mems", "--rate", 10, "--samples", 200, "--channels", 10)
-    assert done.exit_code == 0, done.stderr
-    assert len(told) == 10
-    assert told == sorted(told)
+    run(tmp_path / "a.npz", "--sensor", "mems", "--rate", 10, "--samples", 200, "--channels", 10, code=0)
+    assert (len(told), told) == (10, sorted(told))
     assert 0 <= told[0] < 0.5 < told[-1] <= 1
 
 
@@ -125,9 +115,7 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
     (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "give either --duration or --samples"),
     (("out.npz", "--rate", "100", "--samples", "99"), "--model, --sensor or --datasheet"),
     (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
-    (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),
     (("there.csv", *USUAL, "--samples", "99"), "already exists"),
-    (("out.npz", *USUAL, "--samples", "1"), "between 2 and 1e+10, not 1"),
     (("out.npz", *USUAL, "--samples", "99", "--channels", "0"), "at least 1"),
     (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
     (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),
@@ -135,10 +123,6 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
     (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "not a unit of rates"),
     (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "must be an integer, not 2.5"),
     (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
-    (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "between 1e-09 and 1e+15 Hz, not -5"),
-    (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "between 1e-09 and 1e+15 Hz, not nan"),
-    (("out.npz", *USUAL, "--duration", "a while"), "expected a time in s"),
-    (("out.npz", *USUAL, "--duration", "-3 s"), "expected a time in s"),
 ])  # fmt: skip
 def test_what_is_refused(tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)

@@ -23,6 +23,7 @@ from allanite.reporting.words import change_of
 RATE = 100.0
 WHITE = al.N(1, "deg/sqrt(h)")
 NB = al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h")
+MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
 
 def simulated(seed, model=NB, n=16384):
@@ -41,9 +42,8 @@ def lines(found):
 def test_an_amplitude_that_grows_is_a_row_and_in_the_verdict():
     found = al.compare(simulated(1, hum(60)), simulated(2, hum(90)))
     (line,) = lines(found)
-    low, high = line.interval()
     assert (line.outcome, line.label) == ("larger", "Sine at 12 Hz")
-    assert low < 50 < high
+    assert line.interval()[0] < 50 < line.interval()[1]
     assert found.pairs[0].changed
     assert "Sine at 12 Hz +" in found.verdict
     again = al.from_dict(json.loads(json.dumps(found.to_dict())))
@@ -53,17 +53,14 @@ def test_an_amplitude_that_grows_is_a_row_and_in_the_verdict():
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("order", [1, -1])
-def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
-    quiet, loud = simulated(1), simulated(2, hum(90))
-    found = al.compare(*[quiet, loud][::order])
+@rows("order, outcome", [(1, "larger"), (-1, "smaller")])
+def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order, outcome):
+    found = al.compare(*[simulated(1), simulated(2, hum(90))][::order])
     (line,) = lines(found)
-    assert line.outcome == {1: "larger", -1: "smaller"}[order]
-    assert {line.before.status, line.after.status} == {"absent", "identified"}
+    assert (line.outcome, {line.before.status, line.after.status}) == (outcome, {"absent", "identified"})
     low, high = line.interval()
     assert low <= line.percent <= high
-    if order == -1:
-        assert "Sine at 12 Hz -100 % (-100 to -" in found.verdict
+    assert order == 1 or "Sine at 12 Hz -100 % (-100 to -" in found.verdict
     assert found.pairs[0].changed
     # the sinusoids are taken out of the noise, and the curves have them
     assert "no change of the noise" not in found.verdict
@@ -107,6 +104,9 @@ def correlated(seed, size=0.3):
 
 
 def test_pairs_of_one_noise_are_told_from_independent_records():
+    raw = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=1)
+    smooth = raw.with_values(np.convolve(raw.values, np.full(5, 0.2), "same"), "smoothed")
+    assert resemblance((raw, smooth)) > 0.9
     assert resemblance(correlated(1)) > 0.85
     assert resemblance((simulated(1), simulated(2))) < 0.1
     assert resemblance((simulated(1), simulated(1, n=8192))) == 0.0
@@ -116,29 +116,24 @@ def test_pairs_of_one_noise_are_told_from_independent_records():
 def test_records_that_only_drift_alike_are_no_pair(drift):
     model = al.Model(f"N 0.1 deg/sqrt(h), {drift}")
     for seed in range(10):
-        one, other = (al.simulate(model, 4096, 10.0, rng=np.random.default_rng([seed, i])) for i in range(2))
-        assert resemblance((one, other)) < 0.5
-
-
-def test_a_smoothed_record_and_its_source_are_a_pair():
-    raw = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=1)
-    smooth = raw.with_values(np.convolve(raw.values, np.full(5, 0.2), "same"), "smoothed")
-    assert resemblance((raw, smooth)) > 0.9
+        pair = [al.simulate(model, 4096, 10.0, rng=np.random.default_rng([seed, i])) for i in range(2)]
+        assert resemblance(pair) < 0.5
 
 
 @pytest.mark.slow("ensemble")
 def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
     """In 200 pairs, at 5 %: 2 to 20."""
     pairs = [correlated(seed) for seed in range(200)]
-    p = [paired_homogeneity(pair).p for pair in pairs]
-    assert 2 <= sum(v <= 0.05 for v in p) <= 20
+    assert 2 <= sum(paired_homogeneity(pair).p <= 0.05 for pair in pairs) <= 20
     curves = [tuple(al.deviation(r, m=[1, 8], noise=WHITE) for r in pair) for pair in pairs]
-    laws = [paired_law(pair, curve) for pair, curve in zip(pairs, curves, strict=True)]
-    ratios = [after.variance / before.variance for before, after in curves]
-    p = np.array([law.p(ratio) for law, ratio in zip(laws, ratios, strict=True)])
+    laws = [
+        (paired_law(pair, curve), curve[1].variance / curve[0].variance)
+        for pair, curve in zip(pairs, curves, strict=True)
+    ]
+    p = np.array([law.p(ratio) for law, ratio in laws])
     assert np.all((p <= 0.05).sum(axis=0) <= 20)
     assert np.all((p <= 0.5).sum(axis=0) >= 75)
-    limits = [law.limits(ratio, 0.9) for law, ratio in zip(laws, ratios, strict=True)]
+    limits = [law.limits(ratio, 0.9) for law, ratio in laws]
     held = np.mean([(low <= 1) & (high >= 1) for low, high in limits], axis=0)
     assert np.all((held > 0.84) & (held < 0.96))
 
@@ -148,15 +143,13 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     """A little noise that independent records would hide, and that their difference shows."""
     both, own = np.random.default_rng(1).standard_normal((2, 4096))
     raw, corrected = (al.Record(y, RATE, "deg/h", name="gx") for y in (both + 0.2 * own, both))
-    found = al.compare(raw, corrected).pairs[0]
-    assert found.paired
+    other = al.Record(np.random.default_rng(9).standard_normal(4096), RATE, "deg/h", name="gx")
+    found, alone = al.compare(raw, corrected).pairs[0], al.compare(raw, other).pairs[0]
+    assert (found.paired, alone.paired) == (True, False)
     assert found.p < 1e-6
+    assert alone.p > 0.01
     assert "octaves of frequency" in found.verdict
     assert any("corrected samples" in alert for alert in found.alerts)
-    other = al.Record(np.random.default_rng(9).standard_normal(4096), RATE, "deg/h", name="gx")
-    alone = al.compare(raw, other).pairs[0]
-    assert not alone.paired
-    assert alone.p > 0.01
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -182,34 +175,28 @@ def test_the_numbers_of_a_row_agree():
 
 @pytest.mark.slow("ensemble")
 def test_a_length_that_would_do_is_named_and_does():
-    model = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
-    change = al.compare(simulated(1, model, 2048), simulated(2, model, 2048))["K"]
+    change = al.compare(simulated(1, MODEL, 2048), simulated(2, MODEL, 2048))["K"]
     assert change.outcome == "not resolvable"
     assert 2048 / RATE < change.needed < 3600
     # a walk as large as its limit, and half of it
     limit = max(e.upper for e in (change.before, change.after))
-    walks = [al.Term("K", size, change.signal) for size in (limit, limit / 2)]
-    models = [al.Model((al.N(0.3, "deg/sqrt(h)"), walk)) for walk in walks]
+    models = [al.N(0.3, "deg/sqrt(h)") + al.Term("K", size, change.signal) for size in (limit, limit / 2)]
     n = round(change.needed * RATE)
-    found = {
-        size: [al.compare(*(simulated(10 * i + j, m, size) for j, m in enumerate(models)))["K"].p for i in range(1, 5)]
-        for size in (n, n // 8)
-    }
-    assert sum(p < 0.05 for p in found[n]) >= 3
-    assert sum(p < 0.05 for p in found[n // 8]) <= 1
+
+    def detected(size):
+        pairs = ([simulated(10 * i + j, model, size) for j, model in enumerate(models)] for i in range(1, 5))
+        return sum(al.compare(*pair)["K"].p < 0.05 for pair in pairs)
+
+    assert detected(n) >= 3
+    assert detected(n // 8) <= 1
 
 
 def test_reading_both_files_is_told(tmp_path):
-    paths = [tmp_path / "before.csv", tmp_path / "after.csv"]
+    said, paths = [], [tmp_path / "before.csv", tmp_path / "after.csv"]
     for seed, path in enumerate(paths):
-        noise = al.simulate(al.N(0.3, "deg/sqrt(h)"), 4096, 100.0, rng=seed)
-        al.write(al.Recording((noise,)), path)
-    said = []
+        al.write(simulated(seed, al.N(0.3, "deg/sqrt(h)"), 4096), path)
     al.compare(*paths, al.Recipe(terms="N"), progress=lambda what, share: said.append((what, share)))
     assert (said[0], [what for what, _ in said].count("reading"), said[-1][1]) == (("reading", 0.0), 2, 1.0)
-
-
-MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
 
 def run(seed, n=4096, factor=1.0, rate=100.0):
@@ -217,22 +204,24 @@ def run(seed, n=4096, factor=1.0, rate=100.0):
     return replace(record, values=record.values * factor)
 
 
-@pytest.fixture(scope="module")
-def equal():
-    return al.comparison.pool([run(seed) for seed in range(1, 6)])
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_equal_runs_have_one_noise(equal):
+@pytest.mark.slow("seconds of analyses")
+def test_equal_runs_have_one_noise_and_their_degrees_of_freedom_add_up():
+    equal = al.comparison.pool([run(seed) for seed in range(1, 6)])
     channel = equal["z"]
     assert channel.alike
     assert not channel.apart
     assert "one noise model describes all 5 runs" in equal.verdict
     low, high = channel["N"].interval()
     assert low < MODEL["N"].value < high
-    one = al.identify(run(1))["N"].interval()
-    assert high - low < 0.7 * (one[1] - one[0])
+    least, most = al.identify(run(1))["N"].interval()
+    assert high - low < 0.7 * (most - least)
     assert 0.2 < channel["N"].between / channel["N"].within < 2.5
+    np.testing.assert_allclose(channel.curve.edf, np.sum([curve.edf for curve in channel.curves], axis=0))
+    variance = np.array([curve.variance for curve in channel.curves])
+    assert np.all((channel.curve.variance > variance.min(axis=0)) & (channel.curve.variance < variance.max(axis=0)))
+    narrow, wide = (np.divide(*curve.interval()[::-1]) for curve in (channel.curve, channel.curves[0]))
+    assert np.all(narrow < wide)
+    assert (channel.p > 0.001).all()
 
 
 @rows(("factor", "alike"), [(1.0, True), (1.2, False)])
@@ -249,34 +238,22 @@ def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(facto
     assert first.value < n.value < second.value or second.value < n.value < first.value
     assert (high - low < np.subtract(*second.interval()[::-1])) is np.bool_(alike)
     assert alike or (low < first.value < high and low < second.value < high)
-    assert (
-        f"{1 / stats.chi2.isf(0.025, 1) ** 0.5:.2f} to {1 / stats.chi2.isf(0.975, 1) ** 0.5:.2g} times"
-        in channel.alerts[-1]
-    )
-
-
-@pytest.mark.slow("seconds of analyses")
-def test_degrees_of_freedom_add_up(equal):
-    channel = equal["z"]
-    np.testing.assert_allclose(channel.curve.edf, np.sum([curve.edf for curve in channel.curves], axis=0))
-    variance = np.array([curve.variance for curve in channel.curves])
-    assert np.all((channel.curve.variance > variance.min(axis=0)) & (channel.curve.variance < variance.max(axis=0)))
-    narrow, wide = (np.divide(*curve.interval()[::-1]) for curve in (channel.curve, channel.curves[0]))
-    assert np.all(narrow < wide)
-    assert (channel.p > 0.001).all()
+    least, most = 1 / stats.chi2.isf([0.025, 0.975], 1) ** 0.5
+    assert f"{least:.2f} to {most:.2g} times" in channel.alerts[-1]
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_run_that_lies_apart_is_named():
+def test_the_run_that_lies_apart_is_named_and_two_do_not_hide_each_other():
     found = al.comparison.pool([run(1), run(2), run(3, factor=1.3), run(4)])
     channel = found["z"]
-    assert list(channel.apart) == ["run 3"]
+    assert (list(channel.apart), channel.alike) == (["run 3"], False)
     assert channel.rest > 0.05
-    assert not channel.alike
     assert "different from the others: run 3" in found.verdict
     assert channel["N"].adjusted < 1e-6
     assert channel["N"].between > 3 * channel["N"].within
     assert channel.p[0] < 1e-6
+    two = al.comparison.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
+    assert set(two.apart) == {"run 2", "run 4"}
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -289,21 +266,14 @@ def test_ramps_that_differ_are_named():
     assert channel.test.p > 0.05
     assert not channel.alike
     assert "the scatter between runs exceeds that within them in R" in found.verdict
-    ramp = channel["R"]
-    assert ramp.adjusted < 1e-3
-    assert [np.sign(e.value) for e in ramp.runs] == [1, -1, 1]
+    assert channel["R"].adjusted < 1e-3
+    assert [np.sign(e.value) for e in channel["R"].runs] == [1, -1, 1]
     assert re.search(r"^ +R  +rate ramp ", table(found), re.MULTILINE)
     assert al.from_dict(found.to_dict()).verdict == found.verdict
     alike = al.comparison.pool([runs[0], runs[2], replace(runs[0], values=runs[2].values[::-1] * -1.0)]).terms[-1]
     low, high = alike.interval()
     assert alike.adjusted > 0.05
     assert low < ramps[0].value < high
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_two_that_lie_apart_do_not_hide_each_other():
-    found = al.comparison.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
-    assert set(found.apart) == {"run 2", "run 4"}
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -336,8 +306,9 @@ def test_bartlett_is_scipys():
 def test_the_beginning_of_a_record_agrees_with_the_whole():
     found = al.comparison.truncation(run(7, n=12_000), 60.0)
     (pair,) = found.pairs
+    low, high = pair.whole["N"].interval()
     assert not pair.changed
-    assert pair.whole["N"].interval()[0] < MODEL["N"].value < pair.whole["N"].interval()[1]
+    assert low < MODEL["N"].value < high
     assert found.names == ("first 60 s", "rest")
     louder = run(7, n=12_000)
     louder.values[6000:] *= 1.4
@@ -351,7 +322,6 @@ def test_what_cannot_be_pooled():
     refused(al.DataError, "identical samples", lambda: al.comparison.pool([run(1), run(2), run(1)]))
     other = al.Record(np.random.default_rng(1).standard_normal(4096), 100.0, "m/s^2", name="z")
     refused(al.DataError, "one type", lambda: al.comparison.pool([run(1), run(2), other]))
-    x, y = (replace(run(seed), name=name) for seed, name in ((1, "x"), (2, "y")))
-    with pytest.raises(al.UsageError, match="no channel in common"):
-        al.comparison.pool([al.Recording((x, y)), al.Recording((replace(x, name="u"), replace(y, name="v"))), run(3)])
+    pairs = [al.Recording(tuple(replace(run(i), name=name) for i, name in enumerate(names))) for names in ("xy", "uv")]
+    refused(al.UsageError, "no channel in common", lambda: al.comparison.pool([*pairs, run(3)]))
     refused(al.UsageError, "unknown channel 'q'", lambda: al.comparison.pool([run(1), run(2), run(3)])["q"])

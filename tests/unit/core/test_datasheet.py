@@ -15,11 +15,8 @@ from allanite.core.validity import LowPass, Scope
 
 
 def estimate(part, low, high, status="identified"):
-    scale = part.value
-    return Estimate(
-        part.symbol, part.signal, part.value, 0.1 * scale, status, None, "whittle",
-        lambda level: (low * scale, high * scale),
-    )  # fmt: skip
+    value, limits = part.value, lambda level: (low * part.value, high * part.value)
+    return Estimate(part.symbol, part.signal, value, 0.1 * value, status, None, "whittle", limits)
 
 
 def absent(part):
@@ -51,46 +48,48 @@ def gyro():
     return lines(data_sheet(fit, readings_of(signal, math.radians(1.5) / 3600), 100.0))
 
 
-def test_the_angle_random_walk_in_the_units_in_use_and_as_a_density(gyro):
-    # 0.12 deg/sqrt(h): / 60 sqrt(s) per sqrt(h) = 0.002 deg/s/sqrt(Hz); x 3600 s per h = 7.2 deg/h/sqrt(Hz)
-    walk = gyro["angle random walk N", "deg/sqrt(h)"]
-    assert (walk.value, walk.low, walk.high) == pytest.approx((0.12, 0.1176, 0.1236))
-    two = gyro["noise density, two-sided", "deg/s/sqrt(Hz)"]
-    assert (two.value, two.low, two.high) == pytest.approx((0.002, 0.00196, 0.00206))
-    assert gyro["noise density, two-sided", "deg/h/sqrt(Hz)"].value == pytest.approx(7.2)
-    one = gyro["noise density, one-sided", "deg/s/sqrt(Hz)"]
-    assert (one.value, one.low) == pytest.approx((0.0028284271, 0.0027718586))
-    assert gyro["noise density, one-sided", "deg/h/sqrt(Hz)"].value == pytest.approx(10.182338)
+def checked(entries, *wanted):
+    """Quantity, unit, and some of the attributes that it must have."""
+    for quantity, unit, values in wanted:
+        entry = entries[quantity, unit]
+        assert {name: getattr(entry, name) for name in values} == pytest.approx(values), (quantity, unit)
 
 
-def test_the_other_quantities_of_a_gyro(gyro):
-    minimum = gyro["in-run bias stability", "deg/h"]
-    assert (minimum.value, minimum.low, minimum.high, minimum.tau) == pytest.approx((1.5, 1.35, 1.8, 300.0))
-    assert gyro["bias instability B", "deg/h"].remark == "weak"
-    assert gyro["flicker floor, 0.664 B", "deg/h"].value == pytest.approx(3 * 0.6642825)
-    assert gyro["rate random walk K", "deg/h/sqrt(h)"].high == pytest.approx(50.0)
-    ramp = gyro["rate ramp R", "deg/h^2"]
-    assert (ramp.value, ramp.low, ramp.high) == pytest.approx((-58.0, -69.6, -46.4))
-    assert gyro["10 s stability", "deg/h"].value == pytest.approx(3.0)
-    assert gyro["bandwidth (-3 dB)", ""].remark == "no roll-off up to 50 Hz"
-    q = gyro["quantization noise Q", "arcsec"]
-    assert (q.value, q.low, q.remark, q.high) == (None, None, "not identified", pytest.approx(0.3))
+def test_the_quantities_of_a_gyro(gyro):
+    checked(
+        gyro,
+        # 0.12 deg/sqrt(h): / 60 sqrt(s) per sqrt(h) = 0.002 deg/s/sqrt(Hz); x 3600 s per h = 7.2 deg/h/sqrt(Hz)
+        ("angle random walk N", "deg/sqrt(h)", {"value": 0.12, "low": 0.1176, "high": 0.1236}),
+        ("noise density, two-sided", "deg/s/sqrt(Hz)", {"value": 0.002, "low": 0.00196, "high": 0.00206}),
+        ("noise density, two-sided", "deg/h/sqrt(Hz)", {"value": 7.2}),
+        ("noise density, one-sided", "deg/s/sqrt(Hz)", {"value": 0.0028284271, "low": 0.0027718586}),
+        ("noise density, one-sided", "deg/h/sqrt(Hz)", {"value": 10.182338}),
+        ("in-run bias stability", "deg/h", {"value": 1.5, "low": 1.35, "high": 1.8, "tau": 300.0}),
+        ("bias instability B", "deg/h", {"remark": "weak"}),
+        ("flicker floor, 0.664 B", "deg/h", {"value": 3 * 0.6642825}),
+        ("rate random walk K", "deg/h/sqrt(h)", {"high": 50.0}),
+        ("rate ramp R", "deg/h^2", {"value": -58.0, "low": -69.6, "high": -46.4}),
+        ("10 s stability", "deg/h", {"value": 3.0}),
+        ("bandwidth (-3 dB)", "", {"remark": "no roll-off up to 50 Hz"}),
+        ("quantization noise Q", "arcsec", {"value": None, "low": None, "remark": "not identified", "high": 0.3}),
+    )
 
 
 def test_the_quantities_of_an_accelerometer():
     signal = signal_named("accelerometer")
     walk = estimate(term("N", 0.06, "m/s/sqrt(h)"), 0.95, 1.05)
     cutoff = LowPass("rc", "1st-order low-pass", 25.0, 24.0, 26.0, 100.0)
-    found = lines(data_sheet(fit_of(walk, behind=cutoff), readings_of(signal, 9.80665e-5, inside=False), 100.0))
-    # 0.06 m/s/sqrt(h) / 60 = 0.001 m/s^2/sqrt(Hz) = 0.001 / 9.80665e-6 ug/sqrt(Hz) = 101.97 ug/sqrt(Hz)
-    assert found["velocity random walk N", "m/s/sqrt(h)"].value == pytest.approx(0.06)
-    assert found["noise density, two-sided", "m/s^2/sqrt(Hz)"].value == pytest.approx(0.001)
-    assert found["noise density, two-sided", "ug/sqrt(Hz)"].value == pytest.approx(101.971621)
-    assert found["noise density, one-sided", "ug/sqrt(Hz)"].value == pytest.approx(144.209649)
-    minimum = found["in-run bias stability", "ug"]
-    assert (minimum.value, minimum.remark) == (pytest.approx(10.0), "still falling")
-    band = found["bandwidth (-3 dB)", "Hz"]
-    assert (band.value, band.low, band.high) == (25.0, 24.0, 26.0)
+    found = data_sheet(fit_of(walk, behind=cutoff), readings_of(signal, 9.80665e-5, inside=False), 100.0)
+    checked(
+        lines(found),
+        # 0.06 m/s/sqrt(h) / 60 = 0.001 m/s^2/sqrt(Hz) = 0.001 / 9.80665e-6 ug/sqrt(Hz) = 101.97 ug/sqrt(Hz)
+        ("velocity random walk N", "m/s/sqrt(h)", {"value": 0.06}),
+        ("noise density, two-sided", "m/s^2/sqrt(Hz)", {"value": 0.001}),
+        ("noise density, two-sided", "ug/sqrt(Hz)", {"value": 101.971621}),
+        ("noise density, one-sided", "ug/sqrt(Hz)", {"value": 144.209649}),
+        ("in-run bias stability", "ug", {"value": 10.0, "remark": "still falling"}),
+        ("bandwidth (-3 dB)", "Hz", {"value": 25.0, "low": 24.0, "high": 26.0}),
+    )
 
 
 def test_a_model_that_explains_nothing_gives_no_numbers():

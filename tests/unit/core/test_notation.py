@@ -16,12 +16,8 @@ def test_what_people_write(text, model):
 
 
 def test_what_is_printed_is_understood():
-    model = (
-        al.N(1.0, "deg/sqrt(h)")
-        + al.Sine(1.0, "deg/h", frequency=2.0, phase=0.5)
-        + al.GM(1.0, "deg/h", time_constant=3.0)
-        + al.R(-0.5, "deg/h^2")
-    )
+    model = al.N(1.0, "deg/sqrt(h)") + al.Sine(1.0, "deg/h", frequency=2.0, phase=0.5)
+    model += al.GM(1.0, "deg/h", time_constant=3.0) + al.R(-0.5, "deg/h^2")
     assert al.Model(str(model)) == model
 
 

@@ -59,22 +59,12 @@ def test_quantities_bring_their_unit():
 def test_columns_of_tables_are_taken():
     pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
     lost = [1.0, np.nan, 3.0]
-    for column in (pandas.Series(lost), pandas.Series([1, None, 3], dtype="Int64"), polars.Series([1, None, 3])):
+    bare = type("Column", (), {"to_numpy": lambda _: np.array(lost)})()
+    for column in (pandas.Series(lost), pandas.Series([1, None, 3], dtype="Int64"), polars.Series([1, None, 3]), bare):
         np.testing.assert_array_equal(al.Record(column, 10.0, "deg/h").values, lost)
     counts = al.Record(pandas.Series([1, 2, 3], dtype="Int64"), 10.0, "arcsec", kind="count", scale=0.1)
     assert counts.values.dtype == np.int64
     refused(al.DataError, "not real numbers", lambda: al.Record(polars.Series(["1", "2", "3"]), 10.0, "deg/h"))
-
-
-class Column:
-    """What the columns of pandas and polars have in common."""
-
-    def to_numpy(self):
-        return np.array([1.0, 2.0, 3.0])
-
-
-def test_a_column_needs_no_more_than_to_numpy():
-    assert al.Record(Column(), 10.0, "deg/h").values.tolist() == [1.0, 2.0, 3.0]
 
 
 def test_numbers_of_numpy_are_written_as_numbers():
@@ -141,8 +131,7 @@ def test_fits_are_plain_data():
     assert absent["high"] > absent["upper"]  # two-sided, and one-sided
     assert absent["shown"]["high"] == pytest.approx(convert(absent["upper"], absent["unit"], absent["shown"]["unit"]))
     headings, rows = fit.rows()
-    assert len(rows) == 5
-    assert all(len(row) == len(headings) for row in rows)
+    assert [len(row) for row in rows] == [len(headings)] * 5
     refused(al.UsageError, "not a term of this fit", lambda: fit["GM"])
     refused(al.UnitError, "not a unit of N", lambda: fit["N"].to("deg/h"))
 
@@ -155,23 +144,7 @@ def test_windows():
     np.testing.assert_array_equal(part.values, recording["x"].values[1000:2000])
     assert trim(recording) is recording
     for start, until in [(5, 5), (-1, 5), (0, 51), (60, None)]:
-        with pytest.raises(al.UsageError, match="window"):
-            trim(recording, start, until)
-
-
-def test_what_cannot_support_the_job_is_refused():
-    y = record().values
-    for values, words in [
-        (np.where(np.arange(5000) > 170, np.nan, y), "4829 of 5000 samples are missing"),
-        (np.full(5000, 2.0), "never changes"),
-        (y[:50], "too few"),
-        (np.full(5000, 1e308), "too large"),
-    ]:
-        assert words in inspect(al.Record(values, 1.0, "deg/s")).refusal
-    assert inspect(record()).refusal == ""
-    gap = inspect(al.Record(np.where(np.arange(5000) == 17, np.nan, y), 1.0, "deg/s"))
-    assert gap.refusal == ""
-    assert "1 of 5000 samples are missing" in gap.findings[0].what
+        refused(al.UsageError, "window", lambda start=start, until=until: trim(recording, start, until))
 
 
 @pytest.mark.slow("memory of a process of its own")
@@ -193,20 +166,10 @@ def test_recipes_are_plain_data(tmp_path):
     path = tmp_path / "recipe.toml"
     path.write_text('rate = 100.0\nchannels = ["x", "y"]\nband = [0.0, 5.0]\n')
     assert al.Recipe.load(path) == recipe
-    path.write_text("speed = 1\n")
-    refused(al.UsageError, "unknown key 'speed'", lambda: al.Recipe.load(path))
-    for line, words in [
-        ('level = "0.95"', "level must be a number"),
-        ("level = 95", "between 0 and 1"),
-        ("unit = 3", "unit must be a word"),
-        ("band = [1.0]", "two frequencies"),
-        ("rate = true", "rate must be a number"),
-    ]:
+    for line, words in (('level = "0.95"', "level must be a number"), ("level = 95", "between 0 and 1"),
+                        ("band = [1.0]", "two frequencies"), ("rate = true", "rate must be a number")):  # fmt: skip
         path.write_text(line + "\n")
-        with pytest.raises(al.UsageError, match=words):
-            al.Recipe.load(path)
-    path.write_text("rate = = 1\n")
-    refused(al.UsageError, "cannot be read", lambda: al.Recipe.load(path))
+        refused(al.UsageError, words, lambda: al.Recipe.load(path))
 
 
 def test_a_fit_without_a_valid_term_has_no_model():

@@ -6,11 +6,10 @@ import math
 import re
 import xml.etree.ElementTree as ET
 
-import numpy as np
 import yaml
 
 DEG = math.pi / 180
-G, PSINS_G = 9.80665, 9.7803267714
+PSINS_G = 9.7803267714
 
 
 def opencv(text):
@@ -24,9 +23,8 @@ def assigned(text, mark):
     """Assignments of a script: name -> number or list of numbers."""
     found = {}
     for line in text.splitlines():
-        code = line.partition(mark)[0].strip()
-        match = re.fullmatch(r"([\w.]+) = ([^;]+);", code)
-        if match and re.match(r"[\[\d]", match[2]):
+        match = re.fullmatch(r"([\w.]+) = ([\[\d][^;]*);", line.partition(mark)[0].strip())
+        if match:
             found[match[1].removeprefix("imu.")] = ast.literal_eval(match[2])
     return found
 
@@ -36,10 +34,8 @@ def parameters(text, separator):
 
 
 def calls(text):
-    return {
-        name: float(value)
-        for name, value in re.findall(r"^params\.(\w+)\((\S+) \* np\.eye\(3\)\)$", text, re.MULTILINE)
-    }
+    lines = re.findall(r"^params\.(\w+)\((\S+) \* np\.eye\(3\)\)$", text, re.MULTILINE)
+    return {name: float(value) for name, value in lines}
 
 
 def python(text):
@@ -48,31 +44,33 @@ def python(text):
     return space["imu_err"]
 
 
-def sensors(first, second):
-    return {"gyro": first, "accelerometer": second}
+# step(values)(dt) -> variance of the angle, decay of the bias, variance of the bias, all of one step
 
 
-# step(values, dt, sensor) -> variance of the angle, decay of the bias, variance of the bias, all of one step
+def sensors(held, step, gyro, accelerometer):
+    """The step of each sensor, of the values in its fields."""
+    fields = {"gyro": gyro, "accelerometer": accelerometer}
+    return {sensor: step(*(held[name] for name in names.split())) for sensor, names in fields.items()}
+
+
+def density_step(n, k):
+    return lambda dt: ((n / math.sqrt(dt)) ** 2 * dt**2, 1.0, k**2 * dt)
+
+
+def sigma_step(n, w):
+    return lambda dt: ((dt * n) ** 2, 1.0, (dt * w) ** 2)
+
+
+DENSITIES = "gyroscope_noise_density gyroscope_random_walk", "accelerometer_noise_density accelerometer_random_walk"
 
 
 def kalibr(text):
-    v = yaml.safe_load(text)
-    return {
-        s: density_step(v[f"{p}_noise_density"], v[f"{p}_random_walk"])
-        for s, p in sensors("gyroscope", "accelerometer").items()
-    }
+    return sensors(yaml.safe_load(text), density_step, *DENSITIES)
 
 
 def openvins(text):
-    v = opencv(text)["imu0"]
-
-    def step(w, wb):
-        return lambda dt: (dt * w**2 / dt * dt, 1.0, dt * wb**2 / dt * dt)
-
-    return {
-        s: step(v[f"{p}_noise_density"], v[f"{p}_random_walk"])
-        for s, p in sensors("gyroscope", "accelerometer").items()
-    }
+    step = lambda w, wb: lambda dt: (dt * w**2 / dt * dt, 1.0, dt * wb**2 / dt * dt)  # noqa: E731
+    return sensors(opencv(text)["imu0"], step, *DENSITIES)
 
 
 def orb_slam3(text):
@@ -82,37 +80,27 @@ def orb_slam3(text):
     def step(n, w):
         return lambda dt: ((dt * n * sf) ** 2, 1.0, (w / sf) ** 2)
 
-    return {s: step(v[f"IMU.Noise{p}"], v[f"IMU.{p}Walk"]) for s, p in sensors("Gyro", "Acc").items()}
+    return sensors(v, step, "IMU.NoiseGyro IMU.GyroWalk", "IMU.NoiseAcc IMU.AccWalk")
 
 
 def vins(text):
-    v = opencv(text)
-
     def step(n, w):
         return lambda dt: ((0.5 * dt * n) ** 2 + (0.5 * dt * n) ** 2, 1.0, (dt * w) ** 2)
 
-    return {s: step(v[f"{p}_n"], v[f"{p}_w"]) for s, p in sensors("gyr", "acc").items()}
-
-
-def density_step(n, k):
-    return lambda dt: ((n / math.sqrt(dt)) ** 2 * dt**2, 1.0, k**2 * dt)
+    return sensors(opencv(text), step, "gyr_n gyr_w", "acc_n acc_w")
 
 
 def lio_sam(text):
     v = yaml.safe_load(text)["lio_sam"]
-    return {s: density_step(v[f"imu{p}Noise"], v[f"imu{p}BiasN"]) for s, p in sensors("Gyr", "Acc").items()}
+    return sensors(v, density_step, "imuGyrNoise imuGyrBiasN", "imuAccNoise imuAccBiasN")
 
 
 def gtsam(text):
-    v = calls(text)
-
     def step(white, bias):
         return lambda dt: (dt**2 * white / dt, 1.0, bias * dt)
 
-    return {
-        "gyro": step(v["setGyroscopeCovariance"], v["setBiasOmegaCovariance"]),
-        "accelerometer": step(v["setAccelerometerCovariance"], v["setBiasAccCovariance"]),
-    }
+    names = "setGyroscopeCovariance setBiasOmegaCovariance", "setAccelerometerCovariance setBiasAccCovariance"
+    return sensors(calls(text), step, *names)
 
 
 def ros(text):
@@ -122,17 +110,13 @@ def ros(text):
     def step(numbers):
         return lambda dt: (numbers[0] * dt**2, 1.0, None)
 
-    return sensors(step(v["angular_velocity_covariance"]), step(v["linear_acceleration_covariance"]))
+    return sensors(v, step, "angular_velocity_covariance", "linear_acceleration_covariance")
 
 
 def px4(text):
     v = {row[2]: float(row[3]) for row in parameters(text, "\t")}
     assert {row[4] for row in parameters(text, "\t")} == {"9"}
-
-    def step(n, w):
-        return lambda dt: ((dt * n) ** 2, 1.0, (dt * w) ** 2)
-
-    return {s: step(v[f"EKF2_{p}_NOISE"], v[f"EKF2_{p}_B_NOISE"]) for s, p in sensors("GYR", "ACC").items()}
+    return sensors(v, sigma_step, "EKF2_GYR_NOISE EKF2_GYR_B_NOISE", "EKF2_ACC_NOISE EKF2_ACC_B_NOISE")
 
 
 def ardupilot(text):
@@ -142,27 +126,17 @@ def ardupilot(text):
         # the state is the bias of the increment
         return lambda dt: ((dt * n) ** 2, 1.0, (dt * dt * w) ** 2 / dt**2)
 
-    names = sensors(("GYRO", "GBIAS"), ("ACC", "ABIAS"))
-    return {s: step(v[f"EK3_{n}_P_NSE"], v[f"EK3_{w}_P_NSE"]) for s, (n, w) in names.items()}
+    return sensors(v, step, "EK3_GYRO_P_NSE EK3_GBIAS_P_NSE", "EK3_ACC_P_NSE EK3_ABIAS_P_NSE")
 
 
 def matlab(text):
-    v = json.loads(text)["IMU"]
-
     def step(one):
         assert one["NoiseType"] == "single-sided"
+        n, k = one["NoiseDensity"][0], one["RandomWalk"][0]
+        # the bandwidth is 1 / dt; of double-sided noise half of that
+        return lambda dt: ((n * math.sqrt(1 / dt) * dt) ** 2, 1.0, (k / math.sqrt(1 / dt)) ** 2)
 
-        def of(dt):
-            bandwidth = 1 / dt  # of double-sided noise half of that
-            return (
-                (one["NoiseDensity"][0] * math.sqrt(bandwidth) * dt) ** 2,
-                1.0,
-                (one["RandomWalk"][0] / math.sqrt(bandwidth)) ** 2,
-            )
-
-        return of
-
-    return sensors(step(v["Gyroscope"]), step(v["Accelerometer"]))
+    return sensors(json.loads(text)["IMU"], step, "Gyroscope", "Accelerometer")
 
 
 def gnss_ins_sim(text):
@@ -181,39 +155,34 @@ def markov(white, walk, tau):
     return lambda dt: ((white * dt) ** 2, math.exp(-dt / tau), -(walk**2) * tau / 2 * math.expm1(-2 * dt / tau))
 
 
+def markov_of_density(density, walk, tau):
+    return lambda dt: markov(density / math.sqrt(dt), walk, tau)(dt)
+
+
 def gazebo(text):
     imu = ET.fromstring(text)
     assert [axis.tag for axis in imu.find("angular_velocity")] == ["x", "y", "z"]
+    names = ("stddev", "dynamic_bias_stddev", "dynamic_bias_correlation_time")
 
-    def step(section):
-        noise = imu.find(f"{section}/x/noise")
-        names = ("stddev", "dynamic_bias_stddev", "dynamic_bias_correlation_time")
+    def step(noise):
         return markov(*(float(noise.findtext(name)) for name in names))
 
-    return sensors(step("angular_velocity"), step("linear_acceleration"))
+    held = {section: imu.find(f"{section}/x/noise") for section in ("angular_velocity", "linear_acceleration")}
+    return sensors(held, step, *held)
 
 
 def gazebo_classic(text):
-    plugin = ET.fromstring(text)
-
-    def step(sensor):
-        density, walk, tau = (
-            float(plugin.findtext(sensor + name)) for name in ("NoiseDensity", "RandomWalk", "BiasCorrelationTime")
-        )
-        return lambda dt: markov(density / math.sqrt(dt), walk, tau)(dt)
-
-    return sensors(step("gyroscope"), step("accelerometer"))
+    held = {part.tag: part.text for part in ET.fromstring(text)}
+    names = [" ".join(f"{s}{name}" for name in ("NoiseDensity", "RandomWalk", "BiasCorrelationTime"))
+             for s in ("gyroscope", "accelerometer")]  # fmt: skip
+    return sensors(held, lambda *values: markov_of_density(*map(float, values)), *names)
 
 
 def pegasus(text):
-    v = json.loads(text)
-
     def step(one):
-        return lambda dt: markov(
-            one["noise_density"] / math.sqrt(dt), one["random_walk"], one["bias_correlation_time"]
-        )(dt)
+        return markov_of_density(one["noise_density"], one["random_walk"], one["bias_correlation_time"])
 
-    return sensors(step(v["gyroscope"]), step(v["accelerometer"]))
+    return sensors(json.loads(text), step, "gyroscope", "accelerometer")
 
 
 def kf_gins(text):
@@ -245,14 +214,10 @@ def psins(text):
 
 
 def navego(text):
-    v = assigned(text, "%")
-
     def step(white, psd, corr):
-        return lambda dt: (white**2 * dt, math.exp(-dt / corr), psd**2 * dt)
+        return lambda dt: (white[0] ** 2 * dt, math.exp(-dt / corr[0]), psd[0] ** 2 * dt)
 
-    return sensors(
-        step(v["arw"][0], v["gb_psd"][0], v["gb_corr"][0]), step(v["vrw"][0], v["ab_psd"][0], v["ab_corr"][0])
-    )
+    return sensors(assigned(text, "%"), step, "arw gb_psd gb_corr", "vrw ab_psd ab_corr")
 
 
 PARSERS = {
@@ -273,15 +238,6 @@ def propagated(step, dt, duration):
             angle + 2 * dt * cross + dt**2 * bias + white, decay * (cross + dt * bias), decay**2 * bias + (walk or 0.0)
         )  # fmt: skip
     return angle
-
-
-def simulated(n, k, dt, *, duration, rng, records=1500):
-    """Variance of the angle of records with white noise N and a random walk K, and its relative standard error."""
-    angle, bias = np.zeros(records), np.zeros(records)
-    for _ in range(round(duration / dt)):
-        angle += dt * bias + n * math.sqrt(dt) * rng.standard_normal(records)
-        bias += k * math.sqrt(dt) * rng.standard_normal(records)
-    return float(np.mean(angle**2)), math.sqrt(2 / records)
 
 
 # temperature: parameters of an autopilot -> its correction of a sample of one axis (0, 1, 2) at a temperature

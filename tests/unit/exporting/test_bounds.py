@@ -80,12 +80,10 @@ def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
 
 @pytest.mark.slow("seconds of analyses")
 def test_the_first_screen_has_the_values_of_the_file(study):
-    made = {
-        e.name: digits(e.values[0], figures=3).plain()[0] for e in al.export(study, "kalibr", from_curve=True).entries
-    }
+    made = al.export(study, "kalibr", from_curve=True)
     (line,) = (line for line in first_screen(study).splitlines() if "--to kalibr" in line)
     gyro, accelerometer = (
-        ", ".join(made[f"{sensor}_{key}"] for key in ("noise_density", "random_walk"))
+        ", ".join(digits(made[f"{sensor}_{key}"], figures=3).plain()[0] for key in ("noise_density", "random_walk"))
         for sensor in ("gyroscope", "accelerometer")
     )
     assert line == f"kalibr, bounds: {gyro}; {accelerometer} (allanite export FILE --to kalibr --from-curve)"

@@ -46,8 +46,7 @@ def six(**more):
 )
 def test_axis_policies(axis, channel, value):
     found = al.export(six(), "kalibr", axis=axis, rate=100.0)
-    entry = found.entries[0]
-    assert (entry.channels, found["gyroscope_noise_density"]) == ((channel,), value)
+    assert (found.entries[0].channels, found["gyroscope_noise_density"]) == ((channel,), value)
     assert f"# axis: {axis}\n" in found.text
     assert f"N of {channel}: 95 %: {0.9 * value:.4g} to {1.1 * value:.4g}" in found.text
 
@@ -88,7 +87,7 @@ def test_nothing_is_never_written_as_zero(status):
               for one in six()[:3]]  # fmt: skip
     with pytest.raises(al.DataError, match="kalibr cannot be written: gyroscope_random_walk has no value") as refused:
         al.export([*source, *six()[3:]], "kalibr", rate=100.0)
-    assert re.search(f"gx, gy, gz: K is {status if status != 'absent' else 'not identified'}", str(refused.value))
+    assert f"gx, gy, gz: K is {status if status != 'absent' else 'not identified'}" in str(refused.value)
     # where no field needs it, it is not written
     assert "random" not in al.export([*source, *six()[3:]], "ros-imu", rate=100.0).text.replace("random walk)", "")
 
@@ -105,12 +104,10 @@ def test_an_axis_without_a_coefficient_is_named():
 
 def test_models_that_explain_nothing_are_refused_unless_asked_for():
     goodness = al.identify(al.simulate(al.N(1.0, "rad/sqrt(s)"), 4000, 10.0, rng=np.random.default_rng(1))).goodness
-    bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[:3]]
-    with pytest.raises(al.DataError, match=r"^gx, gy, gz: the model does not explain the record.*unexplained=True"):
-        al.export(bad, "datasheet")
-    doubted = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[3:]]
-    with pytest.raises(al.DataError, match=r"^ax, ay, az: the model does not explain the record.*unexplained=True"):
-        al.export([*six()[:3], *doubted], "kalibr", rate=100.0)
+    bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()]
+    for source, target, names in ((bad[:3], "datasheet", "gx, gy, gz"), (six()[:3] + bad[3:], "kalibr", "ax, ay, az")):
+        with pytest.raises(al.DataError, match=f"^{names}: the model does not explain the record.*unexplained=True"):
+            al.export(source, target, rate=100.0)
     mixed = [bad[1], six()[0], *six()[3:]]
     found = al.export(mixed, "kalibr", rate=100.0)
     assert (found.entries[0].channels, found.rejected) == (("gx",), ("gy",))
@@ -120,13 +117,23 @@ def test_models_that_explain_nothing_are_refused_unless_asked_for():
     assert "(the model does not explain the record)" in forced.text
 
 
-def test_a_missing_sensor_is_named():
-    refused(al.DataError, r"lio-sam needs an accelerometer", lambda: al.export(six()[:3], "lio-sam"))
-    refused(al.DataError, "px4 needs a gyro", lambda: al.export(six()[3:], "px4"))
+@rows("source, target, options, words", [
+    (six()[:3], "lio-sam", {}, "lio-sam needs an accelerometer"), (six()[3:], "px4", {}, "px4 needs a gyro"),
+    (six(), "vins-mono", {}, "vins-mono needs the sampling rate: rate="),
+    (six(), "kalibrr", {}, "unknown target 'kalibrr'; did you mean kalibr"),
+    (six(), "kalibr", {"axis": "best"}, "'best'; choose worst"),
+    ([*six()[:2], *six()[3:]], "kalibr", {"axis": "z", "rate": 100.0}, "no axis z"),
+    *((six(), "kalibr", {name: value}, "must be between") for name, value in (
+        ("inflate", 0.0), ("inflate", float("nan")), ("rate", -1.0), ("filter_rate", 0.0))),
+    (1.0, "kalibr", {}, "source must be a Study, a Channel, a Fit"),
+    (six(), "statespace", {"form": ".txt", "rate": 1.0}, "statespace is written as .npz, .m, .h, not as '.txt'"),
+])  # fmt: skip
+def test_wrong_choices(source, target, options, words):
+    error = al.DataError if "needs a" in words else al.UsageError
+    refused(error, words, lambda: al.export(source, target, **options))
 
 
-def test_the_rate_is_asked_for_where_it_is_needed():
-    refused(al.UsageError, r"vins-mono needs the sampling rate: rate=", lambda: al.export(six(), "vins-mono"))
+def test_the_rate_is_asked_for_only_where_it_is_needed():
     assert al.export(six(), "lio-sam").text
     assert al.export(six(), "px4").text  # the filter has its own step
 
@@ -142,18 +149,6 @@ def test_what_the_target_has_no_field_for_is_listed():
     found = al.export(models, "kalibr", rate=100.0)
     assert any(note.startswith("given gyro: no field for B (bias instability), 2.063 deg/h") for note in found.notes)
     assert "no field for B" in found.text
-
-
-def test_wrong_choices():
-    refused(al.UsageError, "unknown target 'kalibrr'; did you mean kalibr", lambda: al.export(six(), "kalibrr"))
-    refused(al.UsageError, r"'best'; choose worst", lambda: al.export(six(), "kalibr", axis="best"))
-    for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
-        with pytest.raises(al.UsageError):
-            al.export(six(), "kalibr", **wrong)
-    refused(al.UsageError, "source must be a Study, a Channel, a Fit", lambda: al.export(1.0, "kalibr"))
-    with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
-        al.export(six(), "statespace", form=".txt", rate=1.0)
-    refused(al.UsageError, "no axis z", lambda: al.export([*six()[:2], *six()[3:]], "kalibr", axis="z", rate=100.0))
 
 
 def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
@@ -182,9 +177,10 @@ def test_forms_of_a_state_space():
 
     model = al.Model("N 0.01 deg/sqrt(h), B 0.5 deg/h")
     space = state_space(model, 100.0)
-    held = np.load(io.BytesIO(al.export(model, "statespace", rate=100.0).data))
-    for label in ("Phi", "Qd", "H", "R", "P0"):
-        np.testing.assert_array_equal(held[f"axis1_{label}"], getattr(space, label))
+    held = np.load(io.BytesIO(al.export([model, noise()[1]], "statespace", rate=100.0).data))
+    for name, own in (("axis1", space), ("axis2", state_space(noise()[1], 100.0))):
+        for label in ("Phi", "Qd", "H", "R", "P0"):
+            np.testing.assert_array_equal(held[f"{name}_{label}"], getattr(own, label))
     script = al.export(model, "statespace", rate=100.0, form=".m").text
     rows = re.search(r"axis1\.Phi = \[(.*)\];", script)[1].split("; ")
     np.testing.assert_array_equal([[float(v) for v in row.split()] for row in rows], space.Phi)
@@ -216,10 +212,8 @@ def files(tmp_path_factory):
     folder, rng = tmp_path_factory.mktemp("imu"), np.random.default_rng(11)
     for name, model, unit in (("gyro", "N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)", "deg/h"),
                               ("acc", "N 100 ug/sqrt(Hz), K 3000 ug/sqrt(h)", "ug")):  # fmt: skip
-        records = [
-            al.simulate(al.Model(model), 30_000, 20.0, rng=rng, unit=unit, name=f"{name[0]}{axis}") for axis in "xyz"
-        ]
-        al.write(al.Recording(tuple(records)), folder / f"{name}.csv")
+        axes = (al.simulate(al.Model(model), 30_000, 20.0, rng=rng, unit=unit, name=name[0] + x) for x in "xyz")
+        al.write(al.Recording(tuple(axes)), folder / f"{name}.csv")
     return folder
 
 
@@ -228,8 +222,7 @@ def test_a_file_for_kalibr_from_two_recordings(files):
     import yaml
 
     out = files / "imu.yaml"
-    done = run("export", files / "gyro.csv", files / "acc.csv", "--to", "kalibr", "-o", out)
-    assert done.exit_code == 0, done.output
+    done = run("export", files / "gyro.csv", files / "acc.csv", "--to", "kalibr", "-o", out, code=0)
     held = yaml.safe_load(out.read_text())
     assert held["update_rate"] == 20.0
     assert held["gyroscope_noise_density"] == pytest.approx(0.3 * np.pi / 180 / 60, rel=0.03)
@@ -241,20 +234,19 @@ def test_a_file_for_kalibr_from_two_recordings(files):
 @pytest.mark.slow("takes more than half a second")
 def test_results_of_analyze_are_taken_as_they_are(files):
     for name in ("gyro", "acc"):
-        assert run("analyze", files / f"{name}.csv", "--json", files / f"{name}.json", "--quiet").exit_code == 0
-    stored = run("export", files / "gyro.json", files / "acc.json", "--to", "vins-fusion", "-o", "-")
-    direct = run("export", files / "gyro.csv", files / "acc.csv", "--to", "vins-fusion", "-o", "-")
-    assert stored.exit_code == direct.exit_code == 0
-    assert stored.stdout == direct.stdout
-    assert "sha256" in stored.stdout
+        run("analyze", files / f"{name}.csv", "--json", files / f"{name}.json", "--quiet", code=0)
+    stored, direct = (
+        run("export", *sorted(files.glob(f"*.{suffix}")), "--to", "vins-fusion", "-o", "-", code=0).stdout
+        for suffix in ("json", "csv")
+    )
+    assert stored == direct
+    assert re.search(r"# source: .*gyro.csv, sha256 [0-9a-f]{64}", stored)
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_other_sensor_as_a_model_and_json(files):
-    done = run(
-        "export", files / "gyro.csv", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)", "--to", "px4", "--json", "-"
-    )
-    assert done.exit_code == 0, done.output
+    other = ("--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)")
+    done = run("export", files / "gyro.csv", *other, "--to", "px4", "--json", "-", code=0)
     found = from_dict(json.loads(done.stdout))
     assert found["EKF2_GYR_NOISE"] == pytest.approx(0.3 * np.pi / 180 / 60 * 10, rel=0.03)
     assert json.loads(done.stdout)["recipe"]["terms"] == "auto"
@@ -263,27 +255,22 @@ def test_the_other_sensor_as_a_model_and_json(files):
 @rows("arguments, code, words", [
     (("export", "{gyro}", "--to", "kalibr"), 3, "kalibr needs an accelerometer, and there is only gx (gyro)"),
     (("export", "{gyro}", "--to", "kalibr"), 3, "N and K of its data sheet by --model"),
-    (("export", "{gyro}", "--to", "nothing"), 2, "unknown target 'nothing'"),
     (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
     (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
-    (("export", "{gyro}", "--to", "datasheet", "--axis", "best"), 2, "unknown --axis 'best'"),
     (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
     (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
     (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
-    (("convert", "0.66", "--to", "kalibr"), 2, "one pair of quotes, as in '0.66 deg/sqrt(h)'"),
     (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
     (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
     (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
     (("convert", "8 deg/h", "N 60 ug/sqrt(Hz), B 9 ug", "--to", "lio-sam", "-o-"), 3, "N is not stated"),
-    (("explain", "nothing"), 2, "unknown name 'nothing'"),
 ])  # fmt: skip
 def test_what_is_refused_says_so(files, arguments, code, words):
     ends(run(*(str(a).format(gyro=files / "gyro.csv") for a in arguments)), code, words)
 
 
 def test_a_value_of_a_data_sheet_in_the_unit_of_a_field():
-    done = run("convert", "0.66 deg/sqrt(h)", "--to", "kalibr")
-    assert done.exit_code == 0, done.output
+    done = run("convert", "0.66 deg/sqrt(h)", "--to", "kalibr", code=0)
     assert re.search(r"gyroscope_noise_density +0\.000191986 +rad/s/√Hz +given +N", done.stdout)
     discrete = run("convert", "0.66 deg/sqrt(h)", "100 ug/sqrt(Hz)", "--to", "vins-mono", "--rate", "200")
     assert re.search(r"gyr_n +0\.00383972", discrete.stdout)
@@ -295,41 +282,21 @@ def test_a_value_of_a_data_sheet_in_the_unit_of_a_field():
 def test_from_one_target_to_another(tmp_path):
     for name in ("kalibr", "vins-mono"):
         al.export(noise(), name, rate=200.0).write(tmp_path / name)
-    read = run("convert", "--from", "kalibr", tmp_path / "kalibr")
-    assert read.exit_code == 0, read.output
+    read = run("convert", "--from", "kalibr", tmp_path / "kalibr", code=0)
     assert re.search(r"N +angle random walk +0\.687549 +°/√h +0\.0002 +rad/√s", read.stdout)
     made = run("convert", "--from", "kalibr", tmp_path / "kalibr", "--to", "vins-mono", "-o", "-")
-    held = al.read_noise(tmp_path / "vins-mono", "vins-mono", rate=200.0)
     (tmp_path / "again").write_text(made.stdout)
-    again = al.read_noise(tmp_path / "again", "vins-mono", rate=200.0)
-    for sensor in ("gyro", "accelerometer"):
-        for symbol in "NK":
-            one, other = getattr(held, sensor)[symbol], getattr(again, sensor)[symbol]
-            assert one.value == pytest.approx(other.value, rel=1e-12)
+    held, again = (al.read_noise(tmp_path / name, "vins-mono", rate=200.0) for name in ("vins-mono", "again"))
+    for one, other in ((held.gyro, again.gyro), (held.accelerometer, again.accelerometer)):
+        assert [one[symbol].value for symbol in "NK"] == pytest.approx([other[symbol].value for symbol in "NK"], 1e-12)
 
 
 @rows("name", list(al.exporting.EXPORTS))
 def test_every_target_is_explained(name):
-    done = run("explain", name)
-    assert done.exit_code == 0, done.output
-    row, said = al.exporting.EXPORTS[name], " ".join(done.stdout.split())
+    row, said = al.exporting.EXPORTS[name], " ".join(run("explain", name, code=0).stdout.split())
     assert all(field.name in said for field in row.fields)
     assert " ".join(row.source.split())[:40] in said
     assert json.loads(run("explain", name, "--json", "-").stdout)["targets"][0]["name"] == name
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_flicker_without_a_field_is_said_with_what_it_costs():
-    """N and a limit of K were once called more cautious than need be."""
-    noise = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
-    study = al.analyze(al.simulate(noise, size=200_000, rate=10.0, rng=np.random.default_rng(3)))
-    accelerometer = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
-    made = {target: al.export([study, accelerometer], target, cover=False) for target in ("matlab", "kalibr")}
-    said = {target: [alert for alert in one.alerts if "errs up to" in alert] for target, one in made.items()}
-    assert not said["matlab"], "it has a field for flicker"
-    (alert,) = said["kalibr"]
-    assert re.search(r"errs up to 2\.\d times what it predicts with this file$", alert)
-    assert alert in made["kalibr"].text
 
 
 def test_the_command_beside_the_values_is_complete(tmp_path, monkeypatch):
@@ -339,5 +306,5 @@ def test_the_command_beside_the_values_is_complete(tmp_path, monkeypatch):
     np.savetxt("imu.csv", y, delimiter=",", header="gx,gy,gz,ax,ay,az", comments="")
     said = run("analyze", "imu.csv", "--rate", "100", "--unit", "gyro=deg/s,accel=g")
     line = " ".join(said.stdout.split()).split("(allanite ")[1].split(")")[0]
-    assert run(*shlex.split(line.replace("FILE", "imu.csv")), "-o", "imu.yaml").exit_code == 0
+    run(*shlex.split(line.replace("FILE", "imu.csv")), "-o", "imu.yaml", code=0)
     assert (tmp_path / "imu.yaml").exists()

@@ -1,9 +1,7 @@
 """Rows of targets, and what users of other programs asked for, in their own words."""
 
 import re
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from tests.commands import run
 from tests.rows import rows
@@ -67,18 +65,6 @@ def test_the_long_time_is_that_of_every_file():
     assert f"<dynamic_bias_correlation_time>{number(LONG)}<" in text
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """An export of a recording with a random walk, one without, and of given noise."""
-    rng, folder = np.random.default_rng(5), tmp_path_factory.mktemp("imu")
-    walk = al.Model("N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)")
-    records = [al.simulate(m, 20_000, 20.0, rng=rng, unit="deg/h", name=n)
-               for m, n in ((walk, "gx"), (al.N(0.3, "deg/sqrt(h)"), "gy"))]  # fmt: skip
-    al.write(al.Recording(tuple(records)), folder / "gyro.csv")
-    study = al.analyze(folder / "gyro.csv")
-    return SimpleNamespace(study=study, quiet=study["gy"], acc=noise()[1])
-
-
 @rows(("target", "field", "nature"), [
     ("gazebo", 1, ("density", "steady-state sigma", "sqrt(T/2)")),
     ("gtsam", 0, ("density squared", "variance per sample", "f")),
@@ -116,63 +102,36 @@ def test_a_limit_is_rounded_up():
         assert _size(entry, limit=True) == shown
 
 
-FLICKER = al.Model("N 1 deg/sqrt(h), B 9 deg/h")
-REQUESTS = {
-    "allan_variance_ros: confusion about the units":
-        lambda m: "# rad/s/sqrt(Hz), N" in al.export([m.study, m.acc], "kalibr").text,
-    "imu_utils: noise density or standard deviation, should it be divided by sqrt(Hz)":
-        lambda m: "continuous time (densities)" in al.export([m.study, m.acc], "kalibr").text,
-    "kalibr, VINS-Mono, uzh_fpv_open: continuous or discrete time":
-        lambda m: "discrete time, f = 20 Hz" in al.export([m.study, m.acc], "vins-mono").text,
-    "imu_utils, kalibr_allan: bias instability was exported as random walk":
-        lambda m: all(f.term == "K" for row in al.exporting.EXPORTS.values() for f in row.fields
-                      if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
-    "LIO-SAM, LINS: which value of a data sheet goes into which field":
-        lambda m: "imuGyrBiasN K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "lio-sam"),
-    "kalibr: a data sheet's ADIS16448 in kalibr's numbers":
-        lambda m: "0.000191986 rad/s/√Hz" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
-    "kalibr: no procedure for the random walk where only bias instability is known":
-        lambda m: "K not identified, this is its 95 % upper limit" in al.export([m.quiet, m.acc], "kalibr").text,
-    "kalibr: flicker is ignored, by what is the model to be replaced":
-        lambda m: "Gauss-Markov" in al.export(FLICKER, "statespace", rate=9.0, form=".m").text,
-    "kalibr, librealsense, OpenVINS: inflate the noise by 10 to 20, and say so":
-        lambda m: "inflation: 10" in al.export([m.study, m.acc], "openvins", inflate=10.0).text,
-    "VINS-Mono: measured values make the estimator drift":
-        lambda m: al.export([m.study, m.acc], "vins-mono")["gyr_n"]
-        == pytest.approx(al.export([m.study, m.acc], "kalibr")["gyroscope_noise_density"] * 40**0.5),
-    "ORB_SLAM3, OpenImuCameraCalibrator: what do IMU.* mean, how to fill them in":
-        lambda m: "IMU.GyroWalk" in al.export([m.study, m.acc], "orb-slam3").text,
-    "kalibr: the readme does not say what to do with the parameters next":
-        lambda m: len(al.exporting.EXPORTS) >= 20,
-    "MATLAB: noise density, angle random walk or random walk; one- or two-sided":
-        lambda m: '"NoiseType": "single-sided"' in al.export([m.study, m.acc], "matlab").text,
-    "imu_utils, allan_variance_ros: published numbers cannot be reproduced":
-        lambda m: re.search(r"# source: .*gyro.csv, sha256 [0-9a-f]{64}", al.export([m.study, m.acc], "kalibr").text),
-    "kalibr_allan: the random walk is NaN":
-        lambda m: "nan" not in al.export([m.quiet, m.acc], "kalibr").text.lower()
-        and al.export([m.quiet, m.acc], "kalibr")["gyroscope_random_walk"] > 0,
-    "allan-variance: a linear model of the bias for a Kalman filter":
-        lambda m: "gx.Phi = [" in al.export(m.study, "statespace", form=".m").text,
-    "NaveGo: units of the angle random walk of a STIM300":
-        lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
-    "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "navego"),
-    "gnss-ins-sim: the drift of the bias depends on the sampling rate":
-        lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
-        == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],
-    "KF-GINS: a script for the error model":
-        lambda m: "imunoise:" in al.export([m.study, m.acc], "kf-gins").text,
-    "open_vins: the curves of x, y and z disagree, which value is to be taken":
-        lambda m: al.export([m.study, m.acc], "kalibr").entries[2].channels == ("gx",)
-        and "axis: worst" in al.export([m.study, m.acc], "kalibr").text,
-    "IMUSensorModels: the accelerometer too, without a toolbox":
-        lambda m: "accelerometer" in al.exporting.EXPORTS["kalibr"].sensors,
-    "PX4-SITL_gazebo-classic: densities of the simulator are unrealistic":
-        lambda m: "<gyroscopeNoiseDensity>" in al.export([m.study, m.acc], "gazebo-classic").text,
-}  # fmt: skip
-"""Project and request: what shows that it is met."""
+REQUESTS = [
+    # kalibr, imu_utils: continuous or discrete time; densities or standard deviations
+    ("kalibr", {}, "continuous time (densities)"), ("kalibr", {}, "# rad/s/sqrt(Hz), N"),
+    ("vins-mono", {}, "discrete time, f = 20 Hz"),
+    # kalibr: flicker is ignored, by what is the model to be replaced
+    ("statespace", {"form": ".m"}, "Gauss-Markov"),
+    # MATLAB: one- or two-sided
+    ("matlab", {}, '"NoiseType": "single-sided"'),
+]  # fmt: skip
 
 
-@rows("request_", list(REQUESTS))
-def test_a_request_is_met(request_, made):
-    assert REQUESTS[request_](made)
+@rows("target, options, words", REQUESTS)
+def test_what_users_of_other_programs_asked_for_stands_in_the_file(target, options, words):
+    models = [noise()[0] + al.B(1e-5, "rad/s"), noise()[1]]
+    assert words in al.export(models, target, rate=20.0, **options).text
+
+
+def test_a_bias_instability_is_no_random_walk_and_a_drift_does_not_depend_on_the_rate():
+    """imu_utils and kalibr_allan wrote the one for the other; that of gnss-ins-sim was a matter of its rate."""
+    fields = [field for row in al.exporting.EXPORTS.values() for field in row.fields]
+    walks = [field for field in fields if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", field.name)]
+    assert {field.term for field in walks} == {"K"}
+    slow, fast = (al.export(noise(), "gnss-ins-sim", rate=20.0, filter_rate=rate) for rate in (None, 777.0))
+    assert slow["gyro_b_stability"] == fast["gyro_b_stability"]
+
+
+@rows("words, answer", [
+    (("explain", "lio-sam"), "imuGyrBiasN K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro"),
+    (("explain", "navego"), "gb_psd K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro"),
+    (("convert", "0.0025 deg/s/sqrt(Hz)"), "| 0.15 | | | deg/sqrt(h)"),  # that of a STIM300
+])  # fmt: skip
+def test_what_the_commands_answer(words, answer):
+    assert answer in said(*words)

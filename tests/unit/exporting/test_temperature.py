@@ -1,11 +1,10 @@
 """Temperature polynomials: the formula of each autopilot, applied to its file, is the correction of the regression."""
 
 import dataclasses
-import re
 
 import numpy as np
 import pytest
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 from tests.unit.exporting import parsers
 
 import allanite as al
@@ -35,9 +34,9 @@ def regression(signal=SIGNALS[0], name="gx", powers=(1, 2, 3), centre=40.0, *, s
     )  # fmt: skip
 
 
-def study(*regressions, refused=()):
+def study(*regressions, unfit=()):
     channels = [Compensated(al.Record(SEEN, 1.0, r.signal.unit, name=r.name), r) for r in regressions]
-    channels += [Compensated(al.Record(SEEN, 1.0, "rad/s", name=name), refusal="it moves") for name in refused]
+    channels += [Compensated(al.Record(SEEN, 1.0, "rad/s", name=name), refusal="it moves") for name in unfit]
     source = {"source": "log.csv", "sha256": "1" * 64}
     return CompensationStudy(tuple(channels), al.Recipe(), (), (), source, (), CompensationSettings(("temp",)))
 
@@ -92,7 +91,7 @@ def test_the_names_are_those_of_the_autopilots():
 
 
 def test_what_shows_no_effect_is_zero_and_said():
-    some = study(regression(), regression(name="gy", share=0), refused=["gz"])
+    some = study(regression(), regression(name="gy", share=0), unfit=["gz"])
     found = al.exporting.temperature_parameters(some, "px4")
     v = values(found.text, "\t")
     assert v["TC_G0_X1_0"] != 0
@@ -115,38 +114,19 @@ def test_axes_are_found_by_name_or_place():
         assert channels == {axis: (name,) for axis, name in wanted.items()}
 
 
-REFUSED = {
-    "degree": (regression(powers=(1, 2, 3, 4, 5)), al.UsageError, r"powers up to 3, not 5: degree=3"),
-    "lag": (regression(powers=(1,), lag=60.0), al.UsageError, "not temp, 60 s before as well"),
-    "derivative": (regression(powers=(1,), smooth=60.0), al.UsageError, "not d temp/dt as well"),
-    "unit": (regression(unit="K"), al.UsageError, "takes temperatures in degC, and 'temp' is in 'K'"),
-    "range": (regression(span=None), al.DataError, "lacks the range of 'temp': fit again"),
-    "effect": (regression(share=0), al.DataError, "no effect of the temperature is shown for gx"),
-    "axis": (regression(name="rate"), al.UsageError, r"which axes rate are is not known.*Recipe\(channels"),
-}
-
-
-@rows("case", REFUSED)
 @rows("target", ["px4", "ardupilot"])
-def test_what_an_autopilot_does_not_take_is_refused(case, target):
-    one, error, words = REFUSED[case]
-    with pytest.raises(error, match=words):
-        al.exporting.temperature_parameters(study(one), target)
-
-
-def test_what_is_asked_for_in_vain():
-    with pytest.raises(al.UsageError, match="from 0 to 3; there is no instance=4"):
-        al.exporting.temperature_parameters(study(regression()), "px4", instance=4)
-    with pytest.raises(al.UsageError, match="unknown autopilot 'betaflight'; known autopilots: px4, ardupilot"):
-        al.exporting.temperature_parameters(study(regression()), "betaflight")
-    with pytest.raises(al.UsageError, match="which axes"):
-        al.exporting.temperature_parameters(study(*(regression(name=f"imu{i}_x") for i in range(2))), "px4")
-
-
-def test_a_name_does_not_become_a_parameter():
-    found = al.exporting.temperature_parameters(study(regression(name="a\n1\t1\tTC_G_ENABLE\t0\t6\nx")), "px4")
-    assert values(found.text, "\t")["TC_G_ENABLE"] == 1
-    assert re.search(r"^# a\\n1", found.text, re.MULTILINE)
+@rows("fits, error, words", [
+    ([regression(powers=(1, 2, 3, 4, 5))], al.UsageError, r"powers up to 3, not 5: degree=3"),
+    ([regression(powers=(1,), lag=60.0)], al.UsageError, "not temp, 60 s before as well"),
+    ([regression(powers=(1,), smooth=60.0)], al.UsageError, "not d temp/dt as well"),
+    ([regression(unit="K")], al.UsageError, "takes temperatures in degC, and 'temp' is in 'K'"),
+    ([regression(span=None)], al.DataError, "lacks the range of 'temp': fit again"),
+    ([regression(share=0)], al.DataError, "no effect of the temperature is shown for gx"),
+    ([regression(name="rate")], al.UsageError, r"which axes rate are is not known.*Recipe\(channels"),
+    ([regression(name="imu0_x"), regression(name="imu1_x")], al.UsageError, "which axes"),
+])  # fmt: skip
+def test_what_an_autopilot_does_not_take_is_refused(fits, error, words, target):
+    refused(error, words, lambda: al.exporting.temperature_parameters(study(*fits), target))
 
 
 def test_a_narrow_range_is_said():

@@ -8,13 +8,13 @@ from scipy.fft import dct
 from scipy.linalg import toeplitz
 from scipy.signal import butter, freqz, lfilter
 from tests.rows import rows
+from tests.unit.identification.records import RATE, RC, B, N, claimed, covers, record_of, settled
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.study.noise import noise_of
 
 F = np.linspace(0.0, 0.49, 50)
-RATE = 100.0
 
 
 def folded(power, averaged):
@@ -24,28 +24,31 @@ def folded(power, averaged):
     return gain if averaged else gain / gain[0]
 
 
-@rows("cutoff", [0.03, 0.16, 0.4, 0.8])
-@rows("name, power, averaged", [
-    ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False),
-    ("butterworth", lambda x, c: 1 / (1 + (x / c) ** 4), False),
-    ("averaged rc", lambda x, c: 1 / (1 + (x / c) ** 2), True),
-    ("average", lambda x, c: np.sinc(0.443 * x / c) ** 2, False),
-    ("bartlett", lambda x, c: np.sinc(0.3189 * x / c) ** 4, False),
+LONG = 0.03, 0.16
+SHORT = 0.4, 0.8  # cut-offs of which averages are shorter than a sample, or nearly
+
+
+@rows("name, power, averaged, cutoffs", [
+    ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False, LONG + SHORT),
+    ("butterworth", lambda x, c: 1 / (1 + (x / c) ** 4), False, LONG + SHORT),
+    ("averaged rc", lambda x, c: 1 / (1 + (x / c) ** 2), True, LONG + SHORT),
+    ("average", lambda x, c: np.sinc(0.443 * x / c) ** 2, False, LONG),
+    ("bartlett", lambda x, c: np.sinc(0.3189 * x / c) ** 4, False, LONG),
 ])  # fmt: skip
-def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
-    if name in ("average", "bartlett") and cutoff > 0.3:
-        pytest.skip("shorter than a sample, or nearly")
-    expected = folded(lambda x: power(x, cutoff), averaged)
-    # what the sum leaves out beyond its last image
-    tolerance = 3e-4 if name in ("rc", "average") else 1e-6
-    np.testing.assert_allclose(FILTERS[name].gain(F, cutoff), expected, atol=tolerance)
+def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoffs):
+    tolerance = 3e-4 if name in ("rc", "average") else 1e-6  # what the sum leaves out beyond its last image
+    for cutoff in cutoffs:
+        expected = folded(lambda x, cutoff=cutoff: power(x, cutoff), averaged)
+        np.testing.assert_allclose(FILTERS[name].gain(F, cutoff), expected, atol=tolerance)
 
 
-@rows("order", [1, 2])
-@rows("cutoff", [0.05, 1 / 6, 0.4])
-def test_a_digital_filter_is_that_of_scipy(order, cutoff):
-    _, response = freqz(*butter(order, 2 * cutoff), 2 * np.pi * F)
-    np.testing.assert_allclose(FILTERS[f"bilinear {order}"].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
+@rows("name, cutoff, taps", [
+    *((f"bilinear {order}", cutoff, butter(order, 2 * cutoff)) for order in (1, 2) for cutoff in (0.05, 1 / 6, 0.4)),
+    ("average", 0.443 / 4, (np.ones(4) / 4, 1.0)),
+])  # fmt: skip
+def test_a_digital_filter_is_that_of_scipy(name, cutoff, taps):
+    _, response = freqz(*taps, 2 * np.pi * F)
+    np.testing.assert_allclose(FILTERS[name].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
 
 
 @rows("name, cutoff", [("bilinear 2", 1 / 6), ("bilinear 1", 0.2), ("decimated", 0.15), ("butterworth", 0.05)])
@@ -64,46 +67,32 @@ def test_the_edges_of_a_record_are_those_of_the_filtered_noise(name, cutoff):
     np.testing.assert_allclose((own + 2 * mean * shape)[passed], literal[passed], rtol=0.02)
 
 
-def test_a_moving_average_of_whole_samples_is_the_boxcar():
-    _, response = freqz(np.ones(4) / 4, 1.0, 2 * np.pi * F)
-    np.testing.assert_allclose(FILTERS["average"].gain(F, 0.443 / 4), np.abs(response) ** 2, atol=1e-12)
-
-
 @rows("name", FILTERS)
 def test_every_filter_lets_the_lowest_frequencies_pass(name):
     assert FILTERS[name].gain(np.array([1e-6]), 0.1)[0] == pytest.approx(1, abs=1e-6)
     assert (np.diff(FILTERS[name].gain(np.linspace(0, 0.2, 9), 0.2)) < 0).all()
 
 
-N = al.N(0.005, "deg/sqrt(s)")
-B = al.B(0.002, "deg/s")
-POLE = math.exp(-2 * math.pi / 12)
-BEHIND = {
-    "1st order": ([1 - POLE], [1, -POLE], 1 / 12, {"rc"}),
-    "2nd order": (*butter(2, 1 / 3), 1 / 6, {"bilinear 2"}),
-    "boxcar": (np.ones(4) / 4, [1.0], 0.443 / 4, {"average"}),
-}
+SECOND = butter(2, 1 / 3)
 
 
-def filtered(what, seed, model=N + B):
-    b, a, *_ = BEHIND[what]
-    record = al.simulate(model, 2**16 + 2048, RATE, rng=np.random.default_rng(seed))
-    return al.Record(lfilter(b, a, record.values)[2048:], RATE, "rad/s")
+def filtered(taps, seed, model=N + B):
+    return record_of(settled(model, 2**16, seed, taps))
 
 
-@rows("what", BEHIND)
-def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
-    record = filtered(what, 3)
+@rows("name, cutoff, taps", [
+    ("rc", 1 / 12, RC), ("bilinear 2", 1 / 6, SECOND), ("average", 0.443 / 4, (np.ones(4) / 4, [1.0])),
+])  # fmt: skip
+def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(name, cutoff, taps):
+    record = filtered(taps, 3)
     fit = al.identify(record)
-    _, _, cutoff, names = BEHIND[what]
     found = fit.scope.filter
-    assert found.row in names
+    assert found.row == name
     assert found.low < cutoff * RATE < found.high
     assert found.high < 1.1 * found.low
     assert fit.validity == "explained"
-    low, high = fit["N"].interval()
-    assert low < N.value < high
-    assert high - low < 0.05 * N.value
+    assert covers(fit, N)
+    assert np.ptp(fit["N"].interval()) < 0.05 * N.value
     assert fit["Q"].status == "not observable"
     assert "filter" in fit["Q"].reason
     assert "low-pass" in fit.scope.sentences[0]
@@ -112,28 +101,20 @@ def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
 
 def test_angle_noise_beside_a_filter_dominates_the_spectrum_somewhere_or_is_not_claimed():
     """Q is claimed from the shape of a Butterworth low-pass in 5 of 80 records, these among them, without that rule."""
-    b, a = butter(2, 1 / 3)
     for seed in (2, 6, 23, 26, 73):
         rng = np.random.default_rng(seed)
         white, angle = 1e-3 * rng.standard_normal(4596), 8e-6 * rng.standard_normal(4597)
-        absent = al.identify(al.Record(lfilter(b, a, white)[500:], RATE, "rad/s"))["Q"]
+        absent = al.identify(record_of(lfilter(*SECOND, white)[500:]))["Q"]
         assert absent.status == "not observable"
         assert "dominates the spectrum at no frequency" in absent.reason
-        present = al.identify(al.Record(lfilter(b, a, white + RATE * np.diff(angle))[500:], RATE, "rad/s"))["Q"]
-        low, high = present.interval(0.997)
-        assert low < 8e-6 < high
-
-
-def test_all_frequencies_without_a_filter_bend_the_model():
-    fit = al.identify(filtered("2nd order", 1), band="all")
-    assert (fit.validity, fit.scope.filter) == ("unexplained", None)
+        present = al.identify(record_of(lfilter(*SECOND, white + RATE * np.diff(angle))[500:]))
+        assert covers(present, al.Q(8e-6, "rad"), 0.997)
 
 
 def test_the_cut_off_that_is_not_known_widens_the_limits():
     """The interval of N is that of the cut-offs left open: wider than with the cut-off known."""
-    wide = al.identify(filtered("2nd order", 2))["N"].interval()
-    known = al.identify(al.simulate(N + B, 2**16, RATE, rng=np.random.default_rng(2)))["N"].interval()
-    assert wide[1] - wide[0] > 1.2 * (known[1] - known[0])
+    wide, known = (np.ptp(al.identify(filtered(taps, 2))["N"].interval()) for taps in (SECOND, None))
+    assert wide > 1.2 * known
 
 
 def decimated(order, cutoff, step, seed, *, times=6, n=2**16):
@@ -155,8 +136,7 @@ def test_n_behind_a_low_pass_is_not_what_is_left_of_angle_noise(seed):
     model, p = al.Q(2e-4, "deg") + al.N(0.002, "deg/sqrt(s)"), math.exp(-math.pi / 6)
     y = al.simulate(model, 4096 + 512, RATE, rng=np.random.default_rng(seed)).values
     fit = al.identify(al.Record(lfilter([1 - p], [1, -p], y)[512:], RATE, "rad/s"))
-    low, high = fit["N"].interval(0.9973)
-    assert low < model["N"].value < high
+    assert covers(fit, model["N"], 0.9973)
     assert "filter" in [c.name for c in fit.components]
 
 
@@ -169,7 +149,7 @@ def test_white_noise_behind_a_low_pass_is_no_other_noise(order, cutoff, step):
     assert channel.explained
     assert fit.scope.filter is not None
     # angle noise may fill what a row for four times the rate leaves of a filter for six
-    assert {"N"} <= {e.symbol for e in fit if e.claimed} <= {"N", "Q"}
+    assert {"N"} <= claimed(fit) <= {"N", "Q"}
     assert fit["N"].value == pytest.approx(N, rel=0.03)
     assert "slope" not in {finding.name for finding in channel.warnings}
 
@@ -177,21 +157,16 @@ def test_white_noise_behind_a_low_pass_is_no_other_noise(order, cutoff, step):
 @pytest.mark.slow("seconds of analyses")
 def test_angle_noise_before_a_filter_is_no_other_noise():
     """It lifts what the filter lowers: a damped oscillation, or quick Gauss-Markov noise, took a quarter of N."""
-    covered = 0
-    for seed in range(4):
-        record = filtered("1st order", [5, seed], al.sensor("fog"))
-        fit = al.identify(record)
-        assert not {"GM", "GM2"} & {e.symbol for e in fit if e.claimed}
-        low, high = fit["N"].interval()
-        covered += low < next(t.value for t in al.sensor("fog") if t.symbol == "N") < high
-    assert covered >= 3
+    fits = [al.identify(filtered(RC, [5, seed], al.sensor("fog"))) for seed in range(4)]
+    assert not any({"GM", "GM2"} & claimed(fit) for fit in fits)
+    assert sum(covers(fit, al.sensor("fog")["N"]) for fit in fits) >= 3
 
 
 def test_the_curve_behind_a_filter_has_less_of_the_angle_noise():
     """The model was said to hold up to an averaging time that lies below those for which it holds at all."""
-    noise = noise_of(filtered("1st order", 11, al.sensor("rlg")), al.Recipe())
+    noise = noise_of(filtered(RC, 11, al.sensor("rlg")), al.Recipe())
     assert noise.validity == "explained"
-    assert {"Q", "N"} <= {e.symbol for e in noise.fit if e.claimed}
+    assert {"Q", "N"} <= claimed(noise.fit)
     assert noise.fit.scope.until is None
 
 
@@ -200,5 +175,4 @@ def test_a_filter_whose_corner_lies_beyond_half_the_rate_is_found_where_plain_no
     y = 10 * np.random.default_rng(5).standard_normal(2**17)
     fit = al.identify(al.Record(lfilter([1 - pole], [1, -pole], y), RATE, "deg/s"))
     assert fit.scope.filter is not None
-    low, high = fit["N"].interval()
-    assert low < al.N(1.0, "deg/sqrt(s)").value < high
+    assert covers(fit, al.N(1.0, "deg/sqrt(s)"))

@@ -7,9 +7,10 @@ import pytest
 from numba import njit
 from scipy.fft import dct
 from scipy.optimize import nnls
-from scipy.signal import butter, lfilter
+from scipy.signal import butter
 from tests import all_but
 from tests.rows import paired, rows
+from tests.unit.identification.records import record_of, settled
 
 import allanite as al
 from allanite.identification.likelihood import spectrum as transforms
@@ -19,19 +20,17 @@ from allanite.identification.likelihood.whittle import gain_of, likelihood
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.moves import exchanged, filters, less
 from allanite.identification.search.search import search
-from allanite.kernels.cosine import binned, less_ramp
+from allanite.kernels.cosine import binned
 from allanite.kernels.leastsquares import weighted_nnls
 from allanite.kernels.whittle import _logarithms
-
-N = al.N(0.005, "deg/sqrt(s)")
-B = al.B(0.002, "deg/s")
 
 
 @rows("n", [200, 201, 5000, 300_000])
 def test_bins_hold_what_numpy_sums(n):
     y = np.random.default_rng(1).standard_normal(n).cumsum()
-    seen = spectrum(al.Record(y, 1.0, "1"), detrend=False)
-    c = dct(y - al.Record(y, 1.0, "1").constant, norm="ortho")
+    record = al.Record(y, 1.0, "1")
+    seen = spectrum(record, detrend=False)
+    c = dct(y - record.constant, norm="ortho")
     squares, k = c * c, np.arange(n)
     ends = np.append(seen.first[1:], n)
     np.testing.assert_allclose(seen.power, np.add.reduceat(squares, seen.first) / seen.count, rtol=1e-12)
@@ -51,13 +50,6 @@ def test_long_bins_are_summed_to_the_last_digits():
     assert odd[0] == pytest.approx(math.fsum(c[1::2]), rel=1e-13)
 
 
-def test_a_ramp_is_taken_out_in_place():
-    y = np.random.default_rng(3).standard_normal(1001)
-    expected = y - 0.25 * (np.arange(1001) - 500)
-    less_ramp(y, 0.25)
-    np.testing.assert_allclose(y, expected, atol=1e-13)
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_logarithms():
     x = np.concatenate((10.0 ** np.random.default_rng(4).uniform(-300, 300, 10_000), np.linspace(0.7, 1.5, 1001)))
@@ -68,8 +60,7 @@ def test_logarithms():
 @rows("seed", range(6))
 def test_least_squares_from_any_start(seed):
     rng = np.random.default_rng(seed)
-    columns, weight = np.exp(rng.normal(0, 2, (5, 80))), rng.uniform(0.1, 10, 80)
-    power = rng.normal(1, 3, 80)
+    columns, weight, power = np.exp(rng.normal(0, 2, (5, 80))), rng.uniform(0.1, 10, 80), rng.normal(1, 3, 80)
     expected = nnls((columns * np.sqrt(weight)).T, power * np.sqrt(weight))[0]
     assert 0 < np.count_nonzero(expected) < 5
     for first in (np.zeros(5), np.ones(5), rng.uniform(0, 1e3, 5) * (rng.random(5) < 0.5)):
@@ -84,9 +75,8 @@ def test_of_columns_that_are_alike_one_is_used():
         np.testing.assert_allclose(columns.T @ found, 6.0)
 
 
-def filtered(b, a, n=2**15):
-    y = al.simulate(N + B, n + 2048, 100.0, rng=np.random.default_rng(5)).values
-    return spectrum(al.Record(lfilter(b, a, y)[2048:], 100.0, "rad/s"), detrend=True)
+def filtered(*taps):
+    return spectrum(record_of(settled(n=2**15, seed=5, behind=taps or None)), detrend=True)
 
 
 @rows("symbols, cutoff", paired(["QNBKR", "NBK", "QNK", "BKR", "NK"], [0.02, 0.3, 0.9]))
@@ -104,7 +94,7 @@ def test_the_minimum_of_a_wrong_model_is_one(symbols, cutoff):
 
 
 def test_a_start_where_nothing_makes_noise_is_left():
-    ours = likelihood(filtered([1.0], [1.0]), "NBK")
+    ours = likelihood(filtered(), "NBK")
     free = np.ones(3, dtype=bool)
     assert ours.minimise(free, np.zeros(3))[1] == pytest.approx(ours.minimise(free)[1], abs=1e-5)
     theta, value = ours.minimise(np.array([True, False, False]), np.zeros(3), (0, 0.0))

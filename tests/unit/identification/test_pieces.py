@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import toeplitz
 from tests.rows import rows
+from tests.unit.identification.records import claimed, covariance_of, covers, record_of
 
 import allanite as al
 from allanite.identification.likelihood import pieces
@@ -12,7 +12,6 @@ from allanite.identification.likelihood.pieces import PieceReading, apart, rate_
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import column
 from allanite.prepare.gaps import Gaps
-from allanite.statistics.moments.lagsums import second_difference
 from allanite.terms import TERMS
 
 SIZE, RATIO, SPLIT = 400, 40.0, 0.08
@@ -41,13 +40,17 @@ def angle(L):
     return 2 * np.eye(L) - np.eye(L, k=1) - np.eye(L, k=-1)
 
 
+def noisy(L):
+    return np.eye(L) + RATIO * angle(L)
+
+
 def weights(L):
-    x = np.linalg.solve(np.eye(L) + RATIO * angle(L), np.ones(L))
+    x = np.linalg.solve(noisy(L), np.ones(L))
     return x / x.sum()
 
 
 def less_rate(L):
-    return np.eye(L) - np.outer(np.ones(L), weights(L))
+    return np.eye(L) - weights(L)
 
 
 def high(L):
@@ -65,7 +68,7 @@ BIN = np.concatenate(
 def test_weights_of_the_rate_are_those_of_generalised_least_squares(L):
     w, v = rate_weights(L, RATIO)
     np.testing.assert_allclose(w, weights(L), rtol=1e-10)
-    assert v == pytest.approx(w @ (np.eye(L) + RATIO * angle(L)) @ w)
+    assert v == pytest.approx(w @ noisy(L) @ w)
 
 
 WEIGHT = np.concatenate([1 / (1 + RATIO * np.diag(sines(L) @ angle(L) @ sines(L))) for L in LENGTHS])
@@ -88,16 +91,15 @@ def test_the_parts_are_those_of_the_matrices():
 
 def test_what_the_bins_tell():
     """The power of each over its expectation under the ratio is a chi-square with so many degrees of freedom."""
-    share = np.diag(UPPER @ blocks(lambda L: np.eye(L) + RATIO * angle(L)) @ UPPER.T) * WEIGHT
+    share = np.diag(UPPER @ blocks(noisy) @ UPPER.T) * WEIGHT
     literal = [share[b == BIN].sum() for b in range(HOW.low, EDGES.size - 1)]
     np.testing.assert_allclose(HOW.told[HOW.low :], literal, atol=1e-9)
 
 
 @rows("symbol", "QNBK")
 def test_expectations_above_the_split_are_exact(symbol):
-    row = TERMS[symbol]
-    C = blocks(lambda L: toeplitz(second_difference(row, L) / 2))
-    assert_means(HOW.upper(row, np.full(EDGES.size - 1, np.nan)), np.diag(UPPER @ C @ UPPER.T))
+    C = blocks(lambda L: covariance_of(symbol, np.arange(L)))
+    assert_means(HOW.upper(TERMS[symbol], np.full(EDGES.size - 1, np.nan)), np.diag(UPPER @ C @ UPPER.T))
 
 
 @rows("symbol", "QN")
@@ -112,7 +114,7 @@ def test_expectations_below_it_are_exact_on_average_over_phases(symbol):
 
 def test_the_parts_share_one_combination_of_each_piece():
     """That which its rate takes from the others: the sum of all squared canonical correlations says so."""
-    C = blocks(lambda L: np.eye(L) + RATIO * angle(L))
+    C = blocks(noisy)
     parts = UPPER[BIN >= 0], LOWER
     upper, lower = (np.linalg.pinv(A @ C @ A.T, rcond=1e-8, hermitian=True) @ A @ C for A in parts)
     assert np.trace(upper @ LOWER.T @ lower @ parts[0].T) < LENGTHS.size
@@ -120,10 +122,8 @@ def test_the_parts_share_one_combination_of_each_piece():
 
 def lossy(model, seed, share, size=2**14):
     rng = np.random.default_rng(seed)
-    record = al.simulate(model, size, 100.0, rng=rng)
-    values = np.array(record.values, dtype=np.float64)
-    values[rng.random(size) < share] = np.nan
-    return al.Record(values, 100.0, record.unit, kind="rate")
+    values = al.simulate(model, size, 100.0, rng=rng).values
+    return record_of(np.where(rng.random(size) < share, np.nan, values))
 
 
 def test_without_gaps_or_noise_of_the_angle_the_joined_record_is_read():
@@ -150,15 +150,10 @@ def test_the_spectrum_is_that_expected():
 @pytest.mark.slow("ensemble")
 def test_small_noise_of_the_rate_is_told_between_gaps():
     """Of 1 % lost at random: N to a tenth, and its limits hold the truth."""
-    inside = 0
-    for seed in range(4):
-        estimate = al.identify(lossy(al.sensor("rlg"), seed, 0.01, 2**15), lines=False)["N"]
-        assert estimate.claimed
-        low, high = estimate.interval()
-        truth = al.sensor("rlg")["N"].value
-        inside += low <= truth <= high
-        assert abs(estimate.value / truth - 1) < 0.3
-    assert inside >= 3
+    N = al.sensor("rlg")["N"]
+    fits = [al.identify(lossy(al.sensor("rlg"), seed, 0.01, 2**15), lines=False) for seed in range(4)]
+    assert all(fit["N"].claimed and abs(fit["N"].value / N.value - 1) < 0.3 for fit in fits)
+    assert sum(covers(fit, N) for fit in fits) >= 3
 
 
 def ratio(y, lengths):
@@ -200,5 +195,6 @@ def test_a_wave_is_looked_for_in_coefficients_that_stand_alone():
     for start in rng.integers(0, size, 20):
         values[start : start + size // 220] = np.nan
     values[rng.random(size) < 0.01] = np.nan
-    fit = al.identify(al.Record(values, 1.0, "rad/s", kind="rate"))
-    assert (fit["Q"].claimed, fit["K"].claimed, fit.findings) == (True, True, ())
+    fit = al.identify(record_of(values, rate=1.0))
+    assert claimed(fit) >= {"Q", "K"}
+    assert fit.findings == ()

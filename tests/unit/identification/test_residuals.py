@@ -5,27 +5,32 @@ import json
 import numpy as np
 import pytest
 from tests.rows import paired, refused, rows
+from tests.unit.identification import records
+from tests.unit.identification.records import rates_of
 
 import allanite as al
 from allanite.identification.checks.residuals import LAGS, _sums
 from allanite.reporting import page, plot, table
 
+GM = al.GM(5, "deg/h", time_constant=2.0) + al.Sine(9, "deg/h", frequency=7.3, phase=0.4)
 SENSORS = {
-    "MEMS": al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
-    "FOG": al.Q(0.4, "arcsec")
-    + al.N(3, "deg/h*sqrt(s)")
-    + al.B(1, "deg/h")
-    + al.K(0.09, "deg/h/sqrt(s)")
-    + al.R(0.02, "deg/h/s"),
-    "GM": al.N(3, "deg/h*sqrt(s)")
-    + al.GM(5, "deg/h", time_constant=2.0)
-    + al.Sine(9, "deg/h", frequency=7.3, phase=0.4),
-    "RLG": al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
+    "MEMS": al.sensor("mems"),
+    "FOG": al.Model("Q 0.4 arcsec, N 0.05 deg/sqrt(h), B 1 deg/h, K 5.4 deg/h/sqrt(h), R 0.02 deg/h/s"),
+    "GM": al.N(3, "deg/h*sqrt(s)") + GM,
+    "RLG": al.sensor("rlg"),
 }
 
 
-def record_of(name, seed, n=2**15):
-    return al.simulate(SENSORS[name], n, 100.0, rng=np.random.default_rng(seed))
+def record_of(name, seed):
+    return records.record_of(rates_of(SENSORS[name], 2**15, seed))
+
+
+def recording_of(rate=100.0, **channels):
+    return al.Recording([al.Record(y, rate, "deg/h", name=name) for name, y in channels.items()])
+
+
+def noise_of(y, rate=100.0):
+    return al.analyze(recording_of(rate, z=y)).channels[0].noise
 
 
 @rows("name, lost", paired(list(SENSORS), [0, 300]))
@@ -43,26 +48,12 @@ def test_the_true_model_leaves_white_noise(name, lost):
         assert np.abs(r).max() < 5 / n**0.5
 
 
-@rows("kind", ["increment", "count", "angle"])
-def test_every_kind_of_record_leaves_the_same(kind):
-    rate = record_of("FOG", 2)
-    step = 1e-12
-    counts = np.rint(rate.values / 100 / step).astype(np.int64)
-    forms = {
-        "increment": al.Record(counts * step, 100.0, "rad", kind="increment"),
-        "count": al.Record(counts, 100.0, "rad", kind="count", scale=step),
-        "angle": al.Record(np.concatenate(([0], np.cumsum(counts))) * step, 100.0, "rad", kind="angle"),
-    }
-    expected = al.whitened(rate, SENSORS["FOG"])
-    np.testing.assert_allclose(al.whitened(forms[kind], SENSORS["FOG"]), expected, atol=2e-3)
-
-
 @pytest.mark.slow("takes more than half a second")
 @rows("name", ["MEMS", "FOG", "RLG"])
 def test_clean_records_are_explained(name):
     """Anything is said against two in a hundred: 2 of 3 are with probability 0.001."""
-    fits = [(record, al.identify(record)) for record in (record_of(name, seed) for seed in range(1, 4))]
-    assert sum(not al.residuals(*pair).explained for pair in fits) <= 1
+    each = [record_of(name, seed) for seed in range(1, 4)]
+    assert sum(not al.residuals(record, al.identify(record)).explained for record in each) <= 1
 
 
 def test_a_dithered_quantizer_is_explained():
@@ -77,9 +68,8 @@ def test_a_dithered_quantizer_is_explained():
     assert al.residuals(record, fit).explained
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_residuals_are_plain_data_and_a_figure(tmp_path):
-    record = al.Record(record_of("FOG", 1).values, 100.0, "rad/s", name="gx")
+    record = record_of("MEMS", 1)
     left = al.residuals(record, al.identify(record))
     headings, rows = left.rows()
     assert [row[0] for row in rows] == ["correlation", "kurtosis", "halves", "eighths"]
@@ -97,7 +87,7 @@ def test_what_cannot_be_asked_is_refused():
     accelerometer = al.Record(record.values, 100.0, "m/s^2")
     fit = al.identify(record)
     refused(al.UsageError, "gyro", lambda: al.whitened(accelerometer, fit.model))
-    refused(al.UsageError, "needs a model with noise", lambda: al.whitened(record, al.Model((al.R(1.0, "deg/h/s"),))))
+    refused(al.UsageError, "needs a model with noise", lambda: al.whitened(record, al.R(1.0, "deg/h/s")))
     refused(al.UsageError, "'mark'", lambda: al.residuals(record, fit, outliers="fill"))
     refused(al.UsageError, "two channels", lambda: al.shared(al.Recording((record,)), {"": fit}))
 
@@ -112,9 +102,9 @@ def test_sums_are_those_of_the_products():
 
 def test_too_little_between_gaps_is_not_asked():
     """So many gaps in so much quantization that a joint is felt everywhere."""
-    y = record_of("RLG", 1).values.copy()
+    y = record_of("RLG", 1).values
     y[::60] = np.nan
-    record = al.Record(y, 100.0, "rad/s", name="z")
+    record = records.record_of(y)
     left = al.residuals(record, al.identify(record))
     assert left.checks == ()
     assert left.verdict
@@ -122,14 +112,9 @@ def test_too_little_between_gaps_is_not_asked():
 
 
 def both(share):
-    rng = np.random.default_rng(1)
-    common = rng.standard_normal(2**15)
-    channels = [
-        al.Record(record_of("MEMS", seed).values * np.degrees(3600) + share * 300 * common, 100.0, "deg/h", name=name)
-        for seed, name in ((2, "x"), (3, "y"))
-    ]
-    dead = al.Record(np.full(2**15, 2.0), 100.0, "deg/h", name="dead")
-    return al.Recording((*channels, dead))
+    common = share * 300 * np.random.default_rng(1).standard_normal(2**15)
+    x, y = (record_of("MEMS", seed).values * np.degrees(3600) + common for seed in (2, 3))
+    return recording_of(x=x, y=y, dead=np.full(2**15, 2.0))
 
 
 @rows("share", [0.0, 0.5])
@@ -147,26 +132,23 @@ def test_what_channels_share_is_named(share):
 
 def test_slow_things_in_common_are_named():
     rng = np.random.default_rng(1)
-    warm = al.simulate(al.Model((al.K(3.0, "deg/h/sqrt(s)"),)), 2**15, 100.0, rng=rng).values * np.degrees(3600)
-    records = [al.Record(rng.standard_normal(2**15) * 30 + warm, 100.0, "deg/h", name=name) for name in "xy"]
-    recording = al.Recording(tuple(records))
+    warm = al.simulate(al.K(3.0, "deg/h/sqrt(s)"), 2**15, 100.0, rng=rng).values * np.degrees(3600)
+    x, y = rng.standard_normal((2, 2**15)) * 30 + warm
+    recording = recording_of(x=x, y=y)
     found = al.shared(recording, al.identify(recording))
     assert "in means over 5.12 s" in found.findings[0].what
 
 
 def test_a_recording_without_a_fit_says_why_of_every_channel():
-    flat = al.Recording(
-        (al.Record(np.full(500, 2.0), 1.0, "deg/h", name="a"), al.Record([1.0, 2.0, 4.0], 1.0, "deg/h", name="b"))
-    )
+    flat = recording_of(1.0, a=np.full(500, 2.0), b=[1.0, 2.0, 4.0])
     refused(al.DataError, r"(?s)'a'.*b: ", lambda: al.identify(flat))
 
 
 def test_pairs_are_told_in_one_finding_that_names_the_closest():
     rng = np.random.default_rng(9)
     common = rng.normal(size=2**13)
-    noise = {name: al.Record(share * common + rng.normal(size=2**13), 10.0, "deg/h", name=name)
-             for name, share in (("x", 1.0), ("y", 2.0), ("z", 0.5))}  # fmt: skip
-    recording = al.Recording(tuple(noise.values()))
+    x, y, z = (share * common + rng.normal(size=2**13) for share in (1.0, 2.0, 0.5))
+    recording = recording_of(10.0, x=x, y=y, z=z)
     (found,) = al.shared(recording, al.identify(recording)).findings
     assert found.what.startswith(
         "the residuals of 3 pairs of channels are correlated sample by sample, most of all those of x and y (+0.6"
@@ -174,25 +156,13 @@ def test_pairs_are_told_in_one_finding_that_names_the_closest():
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_study_says_it_in_words_and_pictures():
-    recording = both(0.5)
-    y = recording["y"].values.copy()
-    y[2**14 :] *= 3
-    spoilt = al.Recording((recording["x"], recording["y"].with_values(y, "spoilt"), recording["dead"]))
-    study = al.analyze(spoilt)
-    x, z, dead = study.channels
-    assert (x.explained, z.explained, dead.explained) == (True, False, False)
-    shown = " ".join(table(study).split())
-    assert "the noise level changes" in shown
-    assert "are correlated sample by sample" in shown
-    assert shown.count("the noise level changes") == 2
-    assert "on the same body, y: the noise level changes" in shown
-    html = page(study)
-    assert html.count("Residuals: does the model explain the record?") == 2
-    assert "Correlation of the channels" in html
-    data = study.to_dict()
-    assert data["channels"][2]["residuals"] is None
-    assert (data["channels"][1]["residuals"]["findings"][0]["name"], data["shared"]["names"]) == ("level", ["x", "y"])
+def test_a_study_shows_what_channels_share():
+    study = al.analyze(both(0.5))
+    data, shown = study.to_dict(), page(study)
+    assert (data["channels"][2]["residuals"], data["shared"]["names"]) == (None, ["x", "y"])
+    assert "are correlated sample by sample" in " ".join(table(study).split())
+    assert shown.count("Residuals: does the model explain the record?") == 2
+    assert "Correlation of the channels" in shown
 
 
 def test_a_band_has_residuals_and_says_where_it_holds():
@@ -207,33 +177,26 @@ def test_a_band_has_residuals_and_says_where_it_holds():
 def test_a_weak_random_walk_that_was_not_selected_leaves_no_correlation():
     """100 records of the seeds 0 to 99: at 5 % about 5 fail; of the selected model's residuals 11 did."""
     model = al.N(1, "deg/sqrt(h)") + al.K(15, "deg/h/sqrt(h)")
-    found = []
-    for seed in range(100):
-        record = al.simulate(model, 4096, 1.0, rng=np.random.default_rng((11, seed)))
-        found.append(al.residuals(record, al.identify(record)).checks[0])
-    assert {check.name for check in found} == {"correlation"}
-    assert sum(check.p < 0.05 for check in found) <= 8
+    each = [al.simulate(model, 4096, 1.0, rng=np.random.default_rng((11, seed))) for seed in range(100)]
+    residuals = [al.residuals(record, al.identify(record)) for record in each]
+    assert sum(left["correlation"].p < 0.05 for left in residuals) <= 8
 
 
 def test_a_level_that_hardly_changes_is_not_told():
-    y = np.random.default_rng(1).standard_normal(2**17)
-    y[2**16 :] *= 1.06
-    noise = al.analyze(al.Record(y, 100.0, "deg/h", name="z")).channels[0].noise
+    noise = noise_of(np.random.default_rng(1).standard_normal(2**17) * np.repeat([1.0, 1.06], 2**16))
     assert not noise.residuals["halves"].passed
     assert (noise.residuals.findings, noise.validity) == ((), "explained")
 
 
 def test_loud_stretches_are_named_one_by_one():
-    y = np.random.default_rng(1).standard_normal(2**15)
-    for eighth in (0, 4):
-        y[eighth * 2**12 : (eighth + 1) * 2**12] *= 1.4
-    (finding,) = al.analyze(al.Record(y, 32.0, "deg/h", name="z")).channels[0].noise.residuals.findings
+    y = np.random.default_rng(1).standard_normal(2**15) * np.repeat([1.4, 1, 1, 1, 1.4, 1, 1, 1], 2**12)
+    (finding,) = noise_of(y, 32.0).residuals.findings
     assert "is highest from 0 s to 128 s, from 512 s to 640 s" in finding.what
 
 
 def test_what_a_warning_says_no_note_repeats():
     y = np.random.default_rng(3).standard_normal(2**14)
     y[5000] = 40.0
-    shown = " ".join(table(al.analyze(al.Record(y, 100.0, "deg/h", name="z"))).split())
+    shown = " ".join(table(al.analyze(recording_of(z=y))).split())
     assert shown.count("1 outlier beyond") == 1
     assert "standard deviations, at 50 s, of 4" in shown

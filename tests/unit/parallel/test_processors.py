@@ -1,11 +1,8 @@
 """Imports in a thread of their own while a file is read."""
 
-import sys
 import threading
-from importlib import import_module
 
 import pytest
-from tests.rows import rows
 
 from allanite.parallel import processors
 from allanite.parallel.processors import imported, importing, shared
@@ -51,9 +48,3 @@ def test_no_process_is_forked_before_the_imports_have_ended(monkeypatch):
     monkeypatch.setattr(processors, "imported", lambda: (asked.set(), imported()))
     with importing(["slow"]):
         assert shared(lambda _: bool(ended), [0, 1, 2, 3], count=2) == [True] * 4
-
-
-@rows("names", [processors.IDENTIFICATION, processors.FIGURES])
-def test_the_modules_exist(names):
-    for name in names:
-        assert import_module(name) is sys.modules[name]

@@ -77,19 +77,6 @@ def test_closed_forms(symbol, order, calibration, expected):
     )
 
 
-def test_flicker_after_as_long_a_calibration_is_twice_its_allan_variance():
-    found = drift_variance(TERMS["B"], flat(0), np.array([T]), calibration=T)[0]
-    assert found / T**2 == pytest.approx(2 * al.terms.TERMS["B"].level)
-
-
-@rows("symbol", TERMS)
-def test_on_the_round_earth_short_times_are_as_on_the_flat(symbol):
-    t = np.array([1.0, 10.0])
-    for order in (0, 1, 2):
-        flat_, round_ = (drift_variance(TERMS[symbol], make(order), t, calibration=T) for make in (flat, schuler))
-        np.testing.assert_allclose(round_, flat_, rtol=2e-4)
-
-
 def test_a_bias_swings_on_the_round_earth():
     t = np.array([600.0, 3600.0, 2 * math.pi / W])
     w = np.array([W])
@@ -102,16 +89,16 @@ def test_fast_vibration_and_weak_damping_are_not_aliased():
     t, w = np.array([3600.0]), 2 * math.pi * 50.0
     angle = drift_variance(al.Sine(1, "rad/s", frequency=50.0), flat(1), t)[0]
     assert angle == pytest.approx(t[0] ** 2 / w**2 / 2, rel=1e-3)  # cos(phase) t / w
-    resonance = drift_variance(al.GM2(1, "rad/s", frequency=1.0, damping=1e-5), flat(1), np.array([20.25]))[0]
-    sine = drift_variance(al.Sine(math.sqrt(2), "rad/s", frequency=1.0), flat(1), np.array([20.25]))[0]
+    alike = al.GM2(1, "rad/s", frequency=1.0, damping=1e-5), al.Sine(math.sqrt(2), "rad/s", frequency=1.0)
+    resonance, sine = (drift_variance(term, flat(1), np.array([20.25]))[0] for term in alike)
     assert resonance == pytest.approx(sine, rel=3e-3)
 
 
 def test_noise_of_the_samples_depends_on_the_rate():
     slow, fast = (
-        drift_variance(al.F(1, "rad"), flat(0), np.array([60.0]), calibration=T, rate=rate)[0] for rate in (1.0, 100.0)
+        drift_variance(al.F(1, "rad"), flat(0), np.array([60.0]), calibration=T, rate=r) for r in (1.0, 100.0)
     )
-    assert fast > slow
+    assert fast[0] > slow[0]
 
 
 @rows("order, variance", [

@@ -5,50 +5,35 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
-from tests.rows import refused, rows
+from tests.rows import paired, refused, rows
+from tests.unit.identification.records import forms_of
 
 import allanite as al
-from allanite.core.arrays import stretches
-from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
+from allanite.prepare import block_means, decimate, detrend, inspect, quiet_window
 from allanite.prepare.readings import clipping
 from allanite.prepare.resampled import filled
 from allanite.prepare.stillness import lines
 from allanite.prepare.view import View
 from allanite.simulation.record import RING_LASERS, simulate_ring_laser
 
-MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
+
+def finding_of(name, record):
+    (finding,) = (finding for finding in inspect(record).findings if finding.name == name)
+    return finding
 
 
-def record(n=20_000, seed=1, **options):
-    return al.simulate(MODEL, n, 100.0, rng=np.random.default_rng(seed), **options)
-
-
-@rows("m", [1, 2, 7, 50])
-@rows("kind", ["rate", "count", "angle"])
+@rows("m, kind", paired([1, 2, 7, 50], ["rate", "increment", "count", "angle"]))
 def test_block_means_keep_the_curve(m, kind):
-    counts = np.random.default_rng(1).integers(-50, 50, 10_003)
-    forms = {
-        "rate": al.Record(counts * 1.0, 100.0, "deg/h"),
-        "count": al.Record(counts, 100.0, "arcsec", kind="count", scale=0.1),
-        "angle": al.Record(np.concatenate(([0], np.cumsum(counts))) * 0.1, 100.0, "arcsec", kind="angle"),
-    }
-    whole = forms[kind]
+    whole = forms_of(np.random.default_rng(1).integers(-50, 50, 10_003), 0.1)[kind]
     blocks = block_means(whole, m)
-    used = 10_003 // m * m
-    extra = 1 if kind == "angle" else 0
-    same = whole.with_values(whole.values[: used + extra], "cut")
-    assert blocks.rate == pytest.approx(100.0 / m)
-    assert blocks.size == 10_003 // m
+    same = whole.with_values(whole.values[: 10_003 // m * m + (kind == "angle")], "cut")
+    assert (blocks.rate, blocks.size) == (pytest.approx(100.0 / m), 10_003 // m)
     found = al.deviation(blocks, "adev", m=[1, 2, 5]).variance
     np.testing.assert_allclose(found, al.deviation(same, "adev", m=[m, 2 * m, 5 * m]).variance, rtol=1e-9)
     assert f"blocks of {m} samples" in blocks.history[-1]
     assert ("omitted" in blocks.history[-1]) == (10_003 % m > 0)
-
-
-def test_block_means_refuse_what_is_no_block():
-    for m in (0, 10_001):
-        with pytest.raises(al.UsageError, match="from 1 to"):
-            block_means(record(), m)
+    for wrong in (0, 5002):
+        refused(al.UsageError, "from 1 to 5001", lambda wrong=wrong: block_means(whole, wrong))
 
 
 def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
@@ -65,35 +50,13 @@ def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
     refused(al.UsageError, "block_means", lambda: decimate(al.Record(np.arange(1000.0), 1.0, "deg", kind="angle"), 2))
 
 
-@rows("statistic", list(al.statistics.STATISTICS))
-def test_a_ramp_is_not_removed_for_a_statistic_that_sees_it(statistic):
+@rows("statistic", al.statistics.STATISTICS)
+def test_a_ramp_is_removed_for_a_statistic_that_does_not_see_it(statistic):
+    ramp = al.Record(np.arange(5000.0), 100.0, "deg/h")
     if al.statistics.STATISTICS[statistic].order < 3:
-        refused(al.UsageError, "is sensitive to a ramp", lambda: detrend(record(), statistic))
-
-
-def test_outliers_are_marked_not_replaced():
-    plain = record()
-    sigma = np.std(np.diff(plain.values, 2)) / 6**0.5
-    at = [50, 7000, 7001, 15_000]
-    y = plain.values.copy()
-    y[at] += 40 * sigma * np.array([1, 1, -1, -1])
-    marked = mark_outliers(al.Record(y, 100.0, "rad/s", name="z"))
-    found = np.flatnonzero(np.isnan(marked.values)).tolist()
-    assert found == at
-    assert marked.history[-1].startswith("4 outliers beyond 5.5 standard deviations, the first at 0.5 s")
-    assert "gaps" in inspect(marked).names
-    np.testing.assert_array_equal(np.delete(marked.values, found), np.delete(y, found))
-    assert mark_outliers(plain) is plain
-
-
-def test_marking_counts_keeps_their_size():
-    counts = np.random.default_rng(1).integers(-5, 6, 5000)
-    counts[100] = 900
-    raw = al.Record(counts, 100.0, "arcsec", kind="count", scale=0.1)
-    marked = mark_outliers(raw)
-    assert marked.kind == "increment"
-    good = np.isfinite(marked.values)
-    np.testing.assert_allclose(marked.rate_values[good], raw.rate_values[good])
+        refused(al.UsageError, "is sensitive to a ramp", lambda: detrend(ramp, statistic))
+    else:
+        np.testing.assert_allclose(np.diff(detrend(ramp, statistic).values), 0.0, atol=1e-9)
 
 
 def test_the_quiet_window_is_the_quiet_one():
@@ -109,8 +72,7 @@ def test_the_quiet_window_is_the_quiet_one():
     assert window["x"].duration == window["y"].duration == 120.0
     assert "cut from" in window["x"].history[-1]
     for length in (601.0, 0.0):
-        with pytest.raises(al.UsageError, match="does not fit"):
-            quiet_window(both, length)
+        refused(al.UsageError, "does not fit", lambda length=length: quiet_window(both, length))
 
 
 def test_small_steps_of_the_mean_are_motion():
@@ -122,11 +84,6 @@ def test_small_steps_of_the_mean_are_motion():
     assert window["x"].start >= 299
 
 
-def test_runs_of_true():
-    mask = np.array([True, True, False, True, False, False, True])
-    assert (stretches(mask).tolist(), stretches(np.zeros(3, dtype=bool)).shape) == ([[0, 2], [3, 4], [6, 7]], (0, 2))
-
-
 def test_fast_noise_is_the_white_part():
     y = np.random.default_rng(1).standard_normal(50_000)
     for bias, scale in ((0.0, 1.0), (1e6, 1.0), (5.0, 1e-3)):
@@ -135,29 +92,21 @@ def test_fast_noise_is_the_white_part():
 
 
 def test_a_gap_names_the_longest_whole_stretch():
-    y = record(10_000).values.copy()
+    y = np.random.default_rng(1).standard_normal(10_000)
     y[[100, 8000, 8001]] = np.nan
-    quality = inspect(al.Record(y, 100.0, "rad/s"))
-    assert quality.refusal == ""
-    gaps = next(str(finding) for finding in quality.findings if finding.name == "gaps")
-    assert "prepare.trim(recording, 1.01, 80)" in gaps
-    assert "3 of 10000 samples are missing (0.03 %), in 2 gaps, the first from 1 s" in gaps
+    gaps = finding_of("gaps", al.Record(y, 100.0, "rad/s"))
+    assert "prepare.trim(recording, 1.01, 80)" in gaps.remedy
+    assert gaps.what == "3 of 10000 samples are missing (0.03 %), in 2 gaps, the first from 1 s"
 
 
 @rows("name", ["gl1", "gl1-smooth"])
-def test_a_healthy_ring_laser_raises_no_alarm(name):
+def test_a_healthy_ring_laser_raises_no_alarm_and_sway_of_many_pulses_does(name):
     """The residual of the dither, the frequency of the pulses and their pattern are within a pulse."""
-    gyro = RING_LASERS[name]
-    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
+    record = simulate_ring_laser(RING_LASERS[name], 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
     assert inspect(record).names == ()
-
-
-def test_sway_of_many_pulses_is_still_found():
-    gyro, t = RING_LASERS["gl1"], np.arange(400 * 900 + 1) / 400
-    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
-    sway = np.diff(np.rint(5 * np.sin(2 * np.pi * 3.0 * t))).astype(np.int64)
-    found = {one.name: one for one in inspect(replace(record, values=record.values + sway)).findings}
-    assert found["lines"].what.startswith("spectral lines at 3")
+    sway = np.rint(5 * np.sin(2 * np.pi * 3.0 * np.arange(400 * 900 + 1) / 400))
+    lines = finding_of("lines", replace(record, values=record.values + np.diff(sway).astype(np.int64)))
+    assert lines.what.startswith("spectral lines at 3")
 
 
 def test_a_loud_part_makes_no_lines():
@@ -187,9 +136,7 @@ def test_clipping_says_what_is_left_of_n(low, high):
 
 def test_a_drift_that_leaves_the_range_has_no_factor():
     y = np.random.default_rng(1).standard_normal(2**14) + np.linspace(0, 50, 2**14)
-    (finding,) = (
-        one for one in inspect(al.Record(np.minimum(y, 40), 100.0, "deg/h")).findings if one.name == "clipped"
-    )
+    finding = finding_of("clipped", al.Record(np.minimum(y, 40), 100.0, "deg/h"))
     assert "times that of the sensor" not in finding.consequence
 
 
@@ -201,11 +148,9 @@ def test_samples_that_the_logger_has_filled_in_are_named(how):
     kept = np.delete(np.arange(n), lost)
     where = np.searchsorted(kept, lost) - 1
     y[lost] = y[kept[where]] if how == "repeated" else np.interp(lost, kept, y[kept])
-    (finding,) = (one for one in inspect(al.Record(y, 100.0, "deg/h")).findings if one.name == "filled in")
-    assert "N is too large by about" in finding.consequence
-    assert filled(View(al.Record(y, 100.0, "deg/h"))) == pytest.approx(
-        (0.05, 0.0) if how == "repeated" else (0.0, 0.05), abs=0.004
-    )
+    record = al.Record(y, 100.0, "deg/h")
+    assert "N is too large by about" in finding_of("filled in", record).consequence
+    assert filled(View(record)) == pytest.approx((0.05, 0.0) if how == "repeated" else (0.0, 0.05), abs=0.004)
 
 
 @rows("n, missing", [(65, 0), (1003, 0), (1003, 40), (100_001, 0), (100_001, 70)])

@@ -42,8 +42,7 @@ def archive_of_many(path):
 
 
 def page_of_text(path):
-    words = pa.array(["x" * 1_000_000] * 100)
-    table = pa.table({"t": words, "gx": pa.array(NUMBERS[:100, 0])})
+    table = pa.table({"t": ["x" * 1_000_000] * 100, "gx": NUMBERS[:100, 0]})
     parquet.write_table(table, path, compression="zstd", use_dictionary=False, data_page_size=1 << 31)
 
 
@@ -56,24 +55,7 @@ def chunks_of_one_sample(path):
 
 def cells_of_text(path):
     words = "w" * 40
-    lines = (f"{k % 7}.5,{words}{k},{words}{k}z\n" for k in range(900_000))
-    path.write_text("gx [deg/s],a,b\n" + "".join(lines))
-
-
-def long_name(path):
-    path.write_text(TEXT.replace("gx", "n" * 50_000))
-
-
-def long_unit(path):
-    path.write_text(TEXT.replace("deg/s", "s*" * 25_000).replace("rad/s", "furlong"))
-
-
-def long_array_name(path):
-    np.savez(path, **{"n" * 50_000 + " [furlong]": NUMBERS[:, 0]})
-
-
-def arrays_of_few_samples(path):
-    np.savez(path, **{f"c{k} [deg/s]": NUMBERS[:32, 0] for k in range(9000)})
+    path.write_text("gx [deg/s],a,b\n" + "".join(f"{k % 7}.5,{words}{k},{words}{k}z\n" for k in range(900_000)))
 
 
 def bag_of_topics(path):
@@ -102,10 +84,15 @@ CASES = {
     "many.zip": (archive_of_many, "the directory of the archive claims"),
     "page.parquet": (page_of_text, "the table claims"), "chunks.h5": (chunks_of_one_sample, None),
     "cells.csv": (cells_of_text, None),
-    "arrays.npz": (arrays_of_few_samples, "the archive has 9000 arrays"),
+    "arrays.npz": (
+        lambda path: np.savez(path, **{f"c{k} [deg/s]": NUMBERS[:32, 0] for k in range(9000)}),
+        "the archive has 9000 arrays",
+    ),
     "topics.db3": (bag_of_topics, "topics.db3: too many topics: 59000, and at most 1000 are read; copy those"),
-    "rows.xlsx": (workbook_of_rows, "the workbook claims 156"), "name.csv": (long_name, None),
-    "unit.csv": (long_unit, "unit"), "name.npz": (long_array_name, "unit"),
+    "rows.xlsx": (workbook_of_rows, "the workbook claims 156"),
+    "name.csv": (lambda path: path.write_text(TEXT.replace("gx", "n" * 50_000)), None),
+    "unit.csv": (lambda path: path.write_text(f"x [{'s*' * 25_000}],y [furlong]\n" + TEXT.partition("\n")[2]), "unit"),
+    "name.npz": (lambda path: np.savez(path, **{"n" * 50_000 + " [furlong]": NUMBERS[:, 0]}), "unit"),
 }  # fmt: skip
 PROGRAM = """
 import resource, sys
@@ -133,8 +120,9 @@ def test_what_it_takes_and_what_is_said(name, tmp_path):
     make(tmp_path / name)
     times = "".join(f"{k / 100:.2f},{x:.3f}\n" for k, x in enumerate(NUMBERS[:, 0]))
     (tmp_path / "small.csv").write_text(f"time [s],gx [deg/s]\n{times}")
-    command = [sys.executable, "-c", PROGRAM, name]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, name], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
     shown, _, used = done.stdout.partition("INFO")[2].partition("USED ")
     assert int(used) * 1024 < 300e6
     assert done.returncode == (0 if refused is None else 2 if "unit" in refused else 3), done.stderr

@@ -1,5 +1,7 @@
 """The sampling rate out of stamps: even grids, jitter, losses, clocks that drift, units that are not said."""
 
+import re
+
 import numpy as np
 import pytest
 from tests.rows import refused, rows
@@ -9,15 +11,12 @@ from allanite.readers import read
 
 
 @pytest.fixture
-def stamped(tmp_path):
-    def write(stamps, header="time [s]"):
-        path = tmp_path / "gyro.csv"
-        values = np.random.default_rng(3).integers(-9, 9, len(stamps))
-        rows = (f"{stamp!r},{value}.5\n" for stamp, value in zip(np.asarray(stamps).tolist(), values, strict=True))
-        path.write_text(f"{header},gx [deg/s]\n" + "".join(rows))
-        return path
+def stamped(table):
+    def stamped(stamps, header="time [s]"):
+        values = np.random.default_rng(3).integers(-9, 9, len(stamps)) + 0.5
+        return table(f"{header},gx [deg/s]", np.asarray(stamps).tolist(), values)
 
-    return write
+    return stamped
 
 
 def test_rate_is_intervals_over_time_in_spite_of_jitter(stamped):
@@ -34,9 +33,7 @@ def test_rate_is_intervals_over_time_in_spite_of_jitter(stamped):
 def only(recording, name):
     assert [finding.name for finding in recording.findings] == [name]
     (finding,) = recording.findings
-    assert finding.what
-    assert finding.consequence
-    assert finding.remedy
+    assert all((finding.what, finding.consequence, finding.remedy))
     return finding
 
 
@@ -58,40 +55,20 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
     assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "missing samples").what
     assert np.isnan(recording["gx"].values[500])
-    # half of the samples lost at random
-    kept = np.sort(np.random.default_rng(1).choice(2000, 1000, replace=False))
-    record = read(stamped(kept * 0.01))["gx"]
-    assert record.rate == pytest.approx(100.0)
-    assert np.flatnonzero(~np.isnan(record.values)).tolist() == (kept - kept[0]).tolist()
 
 
-def test_lost_counts_become_increments(tmp_path):
-    path = tmp_path / "counts.csv"
-    path.write_text("t [s],pulses\n" + "".join(f"{k / 10},{k % 7}\n" for k in range(100) if k not in (50, 51)))
+def test_lost_counts_become_increments(write):
+    path = write("t [s],pulses\n" + "".join(f"{k / 10},{k % 7}\n" for k in range(100) if k not in (50, 51)))
     record = read(path, unit="arcsec", kind="count", scale=0.1, channels=["pulses"])["pulses"]
     assert (record.kind, record.scale, record.values.dtype) == ("increment", 0.1, np.float64)
     assert np.flatnonzero(np.isnan(record.values)).tolist() == [50, 51]
 
 
-def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
-    bursts = (np.arange(100)[:, None] * 0.1 + np.arange(10) * 0.002).ravel()
-    recording = read(stamped(bursts))
-    assert recording["gx"].rate == pytest.approx(999 / bursts[-1])
-    finding = only(recording, "bursty time stamps")
-    assert "500 Hz from the median step" in finding.what
-    assert read(stamped(bursts), rate=100)["gx"].rate == 100.0
-
-
 def test_a_clock_that_is_set_or_stands_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
-    with pytest.raises(
-        DataError, match=r"1 time stamp of column 'time \[s\]' is earlier than the previous one, the first in row 501"
-    ) as caught:
-        read(stamped(stamps))
-    assert "rate=" in str(caught.value)
-    finding = only(read(stamped(stamps), rate=100), "reversed time stamps")
-    assert "2.99 s" in finding.what
+    words = r"1 time stamp of column 'time \[s\]' is earlier than the previous one, the first in row 501.*rate="
+    refused(DataError, words, lambda: read(stamped(stamps)))
     forward = np.arange(1000) * 0.01
     forward[3:] += 1.7e9
     refused(DataError, r"jump by 1\.7e\+09 s before row 4 of the data", lambda: read(stamped(forward)))
@@ -99,13 +76,9 @@ def test_a_clock_that_is_set_or_stands_is_refused(stamped):
     missing = np.where(np.arange(50) == 7, np.nan, np.arange(50.0))
     refused(DataError, "no time stamp in 1 of 50 rows, the first in row 8", lambda: read(stamped(missing)))
     refused(UsageError, r"all time stamps .* are equal .*rate=100", lambda: read(stamped(np.zeros(50))))
-    only(read(stamped(np.zeros(50)), rate=100), "constant time stamps")
 
 
 def test_stamps_of_whole_seconds(stamped):
-    recording = read(stamped((np.arange(1002) + 2) // 5))
-    assert recording["gx"].rate == 5.0
-    assert "resolution of 1 s" in only(recording, "coarse time stamps").what
     recording = read(stamped(np.delete(np.arange(1000) // 5, np.s_[500:510])))  # a second is missing
     assert recording["gx"].rate == 5.0
     assert [f.name for f in recording.findings] == ["missing samples", "coarse time stamps"]
@@ -117,8 +90,6 @@ def test_a_drifting_clock_is_no_gap(stamped):
     k = np.arange(100_000)
     recording = read(stamped((k + 3e-10 * k**2) * 0.01 + 0.001))  # 60 ppm over the record
     assert (recording["gx"].rate, recording.findings) == (pytest.approx(100.0, rel=1e-4), ())
-    recording = read(stamped((k + 2e-9 * k**2) * 0.01))
-    assert "ppm" in only(recording, "clock drift").what
     assert recording["gx"].size == 100_000
 
 
@@ -127,13 +98,6 @@ def test_a_late_stamp_is_no_loss(stamped):
     stamps[500:520] = stamps[520] - 1e-4 * np.arange(20, 0, -1)  # the logger wrote to its card for 0.2 s
     record = read(stamped(stamps))["gx"]
     assert (record.size, record.rate) == (1000, pytest.approx(100.0))
-    # rows out of order
-    stamps = np.arange(200) * 0.01
-    stamps[[50, 51]] = stamps[[51, 50]]
-    recording = read(stamped(stamps))
-    assert "row 52 of the data by 10 ms" in only(recording, "reversed time stamps").what
-    plain = read(stamped(np.arange(200) * 0.01))["gx"].values
-    assert recording["gx"].values[[50, 51]].tolist() == plain[[51, 50]].tolist()
 
 
 EVEN = 417_300_000 + np.arange(300) * 8000
@@ -165,28 +129,14 @@ def test_a_lone_stamp_that_is_far_off_is_set_by_its_neighbours(stamped, damages,
     assert str(scaled[min(damages)].item()) in finding.what
 
 
-def shuffled(stamps):
-    return np.random.default_rng(5).permutation(stamps)
-
-
-def moved(stamps):
-    return np.insert(np.delete(stamps, 50), 180, stamps[50])
-
-
-def begun_early(stamps):
-    return np.concatenate((stamps[:1] - 500_000, stamps[1:]))
-
-
-def late(stamps):
-    return np.concatenate((stamps[:200], stamps[200:] + 500_000))
-
-
-@rows("change, name", [
-    (shuffled, "reversed time stamps"), (moved, "reversed time stamps"), (begun_early, "missing samples"),
-    (late, "missing samples"),
-])  # fmt: skip
-def test_gaps_and_rows_out_of_order_are_not_damage(stamped, change, name):
-    only(read(stamped(change(EVEN), "time [us]")), name)
+@rows("stamps, name", [
+    (np.random.default_rng(5).permutation(EVEN), "reversed time stamps"),
+    (np.insert(np.delete(EVEN, 50), 180, EVEN[50]), "reversed time stamps"),
+    (EVEN - 500_000 * (np.arange(300) < 1), "missing samples"),
+    (EVEN + 500_000 * (np.arange(300) > 199), "missing samples"),
+], ids=["shuffled", "one moved", "begun early", "late"])  # fmt: skip
+def test_gaps_and_rows_out_of_order_are_not_damage(stamped, stamps, name):
+    only(read(stamped(stamps, "time [us]")), name)
 
 
 def test_a_clock_of_32_bits_starts_again(stamped):
@@ -197,20 +147,10 @@ def test_a_clock_of_32_bits_starts_again(stamped):
     assert recording.findings == ()
 
 
-CLOCKS = "receive_time [s],stamp [s],coarse_stamp [s],gx [deg/s]"
-
-
-def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
-    rng = np.random.default_rng(1)
-    k = np.arange(500)
-    received = np.sort(k * 0.025 + rng.uniform(0, 0.04, 500))
-    path = tmp_path / "bag.csv"
-    rows = (
-        f"{a:.6f},{b:.6f},{c:d},{x:.3f}\n"
-        for a, b, c, x in zip(received, k / 40, k // 40, rng.normal(size=500), strict=True)
-    )
-    path.write_text(CLOCKS + "\n" + "".join(rows))
-    recording = read(path)
+def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(table):
+    k, rng = np.arange(500), np.random.default_rng(1)
+    columns = (np.sort(k * 0.025 + rng.uniform(0, 0.04, 500)), k / 40, k // 40, rng.normal(size=500))
+    recording = read(table("receive_time [s],stamp [s],coarse_stamp [s],gx [deg/s]", *columns))
     assert recording["gx"].rate == pytest.approx(40.0)
     note = next(note for note in recording.notes if "used as the clock" in note)
     assert note.startswith("column 'stamp [s]' is used as the clock, of 3")
@@ -218,17 +158,13 @@ def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
     assert recording.findings == ()
 
 
-def counted(tmp_path, steps, header="Packet number,gx [deg/s]", row="{count},{value}"):
-    path = tmp_path / "packets.csv"
-    counts = np.concatenate(([7], 7 + np.cumsum(steps))) % 65536
-    rows = (row.format(count=c, value=f"{k % 5}.5", k=k) for k, c in enumerate(counts))
-    path.write_text(header + "\n" + "\n".join(rows) + "\n")
-    return path
+def test_a_packet_counter_tells_the_losses_but_not_the_rate(table):
+    def counted(steps):
+        counts = np.concatenate(([7], 7 + np.cumsum(steps))) % 65536
+        return table("Packet number,gx [deg/s]", counts, np.arange(len(counts)) % 5 + 0.5)
 
-
-def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     steps = np.tile([1, 2, 1, 3], 100)
-    path = counted(tmp_path, steps)
+    path = counted(steps)
     refused(UsageError, r"counter column 'Packet number' shows which samples are missing.*rate=100", lambda: read(path))
     recording = read(path, rate=100)
     assert recording.channels == ("gx",)
@@ -239,27 +175,19 @@ def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     # a counter that starts again or counts by tens
     steps = np.ones(70_000, dtype=int)
     steps[1000] = 4
-    assert read(counted(tmp_path, steps), rate=100)["gx"].size == 70_004
+    assert read(counted(steps), rate=100)["gx"].size == 70_004
     steps = np.full(500, 10)
     steps[100] = 30
-    assert read(counted(tmp_path, steps), rate=100)["gx"].size == 503
-    assert read(counted(tmp_path, np.full(500, 10)), rate=100).findings == ()
+    assert read(counted(steps), rate=100)["gx"].size == 503
+    assert read(counted(np.full(500, 10)), rate=100).findings == ()
 
 
-def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(tmp_path):
-    steps = np.ones(999, dtype=int)
-    steps[::10] = 2
-    path = tmp_path / "packets.csv"
-    counts = np.concatenate(([0], np.cumsum(steps)))
+def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(table):
+    counts = np.cumsum(np.where(np.arange(1000) % 10 == 1, 2, 1)) - 1
     stamps = counts // 20 * 0.2 + 0.001 * (counts % 20)
     stamps[-1] = counts[-1] * 0.01
-    path.write_text(
-        "time,seq,gx [deg/s]\n"
-        + "".join(f"{t:.3f},{c},{k % 3}.5\n" for k, (t, c) in enumerate(zip(stamps, counts, strict=True)))
-    )
-    recording = read(path)
-    assert recording["gx"].rate == pytest.approx(100.0)
-    assert recording["gx"].size == counts[-1] + 1
+    record = read(table("time,seq,gx [deg/s]", stamps.round(3), counts, counts % 3 + 0.5))["gx"]
+    assert (record.rate, record.size) == (pytest.approx(100.0), counts[-1] + 1)
 
 
 @rows(("step", "unit", "rate"), [(10, "ms", 100), (5, "ms", 200), (10_000, "us", 100), (2500, "us", 400)])
@@ -288,14 +216,11 @@ def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
 def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     path = stamped(np.arange(200) * 0.01)
     assert not read(path, rate=100.05).findings
-    (found,) = read(path, rate=100.5).findings
-    assert "100.0 Hz" in found.what
-    assert "100.5 Hz is used" in found.what
+    (finding,) = read(path, rate=100.5).findings
+    assert re.search(r"100\.5 Hz is used.* 100\.0 Hz", finding.what)
     # a rate that contradicts the time stamps is refused with a cure
-    path = stamped(np.arange(200) * 0.01)
-    with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as caught:
-        read(path, rate=200)
-    assert str(caught.value).endswith("time='none'")
+    words = r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it.*time='none'$"
+    refused(UsageError, words, lambda: read(path, rate=200))
     assert (read(path, rate=200, time="none")["gx"].rate, read(path)["gx"].rate) == (200.0, pytest.approx(100.0))
     # time option
     path = stamped(np.arange(200) * 0.01, "foo")
@@ -307,17 +232,8 @@ def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     assert read(stamped(np.arange(200) * 0.01), time="none", rate=7)["gx"].start is None
 
 
-def test_dates_with_time(tmp_path):
-    path = tmp_path / "gyro.csv"
-    rows = (
-        f"2024-01-31 23:59:{59 + k // 100 - 60 * (k >= 100) if k < 100 else 0:02d}.{k % 100:02d},1.{k % 7}\n"
-        for k in range(60)
-    )
-    path.write_text("time,gx [deg/s]\n" + "".join(rows))
-    assert read(path)["gx"].rate == pytest.approx(100.0)
-    # a temperature called t is no clock
-    path = tmp_path / "gyro.csv"
-    path.write_text("gx [deg/s],T\n" + "1.5,36.0\n2.5,36.5\n" * 20)
+def test_a_temperature_called_t_is_no_clock(write):
+    path = write("gx [deg/s],T\n" + "1.5,36.0\n2.5,36.5\n" * 20)
     assert read(path, rate=10).channels == ("gx",)
     refused(UsageError, "sampling rate", lambda: read(path))
 

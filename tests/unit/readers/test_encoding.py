@@ -12,14 +12,6 @@ from allanite.readers.columns.encoding import in_utf8
 NOISE = np.random.default_rng(1).standard_normal((300, 3)).round(4)
 
 
-def written(tmp_path, lines, encoding, comma=False):
-    rows = [";".join([f"{i / 100:.2f}", *map(str, row), "25.5"]) for i, row in enumerate(NOISE)]
-    rows = [row.replace(".", ",") for row in rows] if comma else rows
-    path = tmp_path / "imu.csv"
-    path.write_bytes(("\n".join([*lines, *rows]) + "\n").encode(encoding))
-    return path
-
-
 RUSSIAN = ["Оператор: Иванов", "Время, с;ДУС X, °/с;Угловая скорость Y [°/ч];Ускорение X, м/с²;Температура, °С"]
 RUSSIAN_1251 = [RUSSIAN[0], RUSSIAN[1].replace("м/с²", "м/с2")]
 CHINESE = ["操作员：张三", "时间(秒);陀螺X（度/秒）;角速度Y(度/小时);加速度X(米/秒^2);温度(度)"]
@@ -31,8 +23,10 @@ CHINESE = ["操作员：张三", "时间(秒);陀螺X（度/秒）;角速度Y(�
     (CHINESE, "gb18030", "read as GB18030"),
 ])  # fmt: skip
 @rows("comma", [False, True])
-def test_names_and_units(tmp_path, lines, encoding, note, comma):
-    recording = read(written(tmp_path, lines, encoding, comma))
+def test_names_and_units(write, lines, encoding, note, comma):
+    rows = "\n".join(";".join([f"{i / 100:.2f}", *map(str, row), "25.5"]) for i, row in enumerate(NOISE))
+    text = "\n".join([*lines, rows.replace(".", ",") if comma else rows, ""])
+    recording = read(write(text.encode(encoding)))
     wanted = ("deg/s", "deg/h", "m/s^2")
     assert [unit_of(record.unit) for record in recording] == [unit_of(unit) for unit in wanted]
     assert [record.rate for record in recording] == [pytest.approx(100)] * 3
@@ -58,19 +52,13 @@ def test_each_encoding_is_told_from_the_others(text, encoding, name):
 
 
 @rows("data, words", [
-    ("ПУСК".encode("cp1251"), "may be GB18030 or cp1251"),
-    (b"gx \x81\x01\xff\xfe\x98", "neither GB18030, cp1251 nor Latin-1"),
-    ("时间(秒)".encode("gbk") + b"\n1\n\xff\xff\n" * 1, "neither"),
+    ("ПУСК".encode("cp1251"), "may be GB18030 or cp1251.*iconv"),
+    (b"gx \x81\x01\xff\xfe\x98", "neither GB18030, cp1251 nor Latin-1.*iconv"),
+    ("时间(秒)".encode("gbk") + b"\n1\n\xff\xff\n", "neither.*iconv"),
+    ("时间(秒),陀螺X（度/秒）\n".encode("gbk") * 8000 + b"\xff\xff\n", "like GB18030 text but is damaged in line 8001"),
 ])  # fmt: skip
 def test_what_cannot_be_decided_is_refused_with_the_cure(data, words):
-    with pytest.raises(DataError, match="iconv") as caught:
-        in_utf8(data)
-    assert words in str(caught.value)
-
-
-def test_damage_far_below_is_named_by_its_line():
-    head = "时间(秒),陀螺X（度/秒）\n".encode("gbk") * 8000
-    refused(DataError, "like GB18030 text but is damaged in line 8001", lambda: in_utf8(head + b"\xff\xff\n"))
+    refused(DataError, words, lambda: in_utf8(data))
 
 
 def test_utf8_is_tested_in_blocks_that_may_cut_a_letter():

@@ -13,12 +13,10 @@ pl = pytest.importorskip("polars")
 RNG = np.random.default_rng(5)
 COUNT = 50
 CONTENT = {
-    "time [s]": np.arange(COUNT) * 0.01 + 3,
-    "gx [deg/s]": RNG.normal(size=COUNT),
+    "time [s]": np.arange(COUNT) * 0.01 + 3, "gx [deg/s]": RNG.normal(size=COUNT),
     "gy [deg/s]": RNG.integers(-99, 99, COUNT),
-    "acc_x_mps2": RNG.normal(size=COUNT).astype(np.float32).astype(float),
-    "Temp [degC]": RNG.normal(25, 1, COUNT),
-}
+    "acc_x_mps2": RNG.normal(size=COUNT).astype(np.float32).astype(float), "Temp [degC]": RNG.normal(25, 1, COUNT),
+}  # fmt: skip
 
 
 class Plain:
@@ -41,29 +39,27 @@ def assert_as_csv(frame, tmp_path, content, **options):
     assert found.notes == expected.notes
     for mine, theirs in zip(found, expected, strict=True):
         assert (mine.rate, mine.unit, mine.kind, mine.start) == (theirs.rate, theirs.unit, theirs.kind, theirs.start)
-        assert mine.values.dtype == theirs.values.dtype
-        assert np.array_equal(mine.values, theirs.values, equal_nan=True)
+        np.testing.assert_array_equal(mine.values, theirs.values, strict=True)
     return found
 
 
+WORDS = CONTENT | {"note": ["on the table"] * COUNT, "gy [deg/s]": [None, *range(COUNT - 1)]}
+TURNS = {"id": ["a", "b"] * 25, "gx [deg/s]": CONTENT["gx [deg/s]"]}
+
+
 @rows("kind", KINDS)
-def test_a_table_is_read_as_its_csv(kind, tmp_path):
-    found = assert_as_csv(kind(CONTENT), tmp_path, CONTENT)
-    assert (found.channels, found["gx"].rate) == (("gx", "gy", "acc_x_mps2"), pytest.approx(100))
+@rows("content, options, channels", [
+    (CONTENT, {}, ("gx", "gy", "acc_x_mps2")), (TURNS, {"rate": 1.0}, ("a gx", "b gx")),
+    (WORDS, {"channels": ["gy", "2"], "rate": 10.0, "time": "none"}, ("gy", "gx")),
+], ids=["plain", "sensors that take turns", "words and missing values"])  # fmt: skip
+def test_a_table_is_read_as_its_csv(kind, tmp_path, content, options, channels):
+    assert assert_as_csv(kind(content), tmp_path, content, **options).channels == channels
 
 
 @rows("kind", KINDS[:3])
-def test_options_words_and_missing_values(kind, tmp_path):
-    content = CONTENT | {"note": ["on the table"] * COUNT, "gy [deg/s]": [None, *range(COUNT - 1)]}
-    found = assert_as_csv(kind(content), tmp_path, content, channels=["gy", "2"], rate=10.0, time="none")
-    assert np.isnan(found["gy"].values[0])
-    refused(al.DataError, "'note' holds text", lambda: al.read(kind(content), channels=["note"]))
-
-
-@rows("kind", KINDS[:3])
-def test_sensors_that_take_turns(kind, tmp_path):
-    content = {"id": ["a", "b"] * 25, "gx [deg/s]": CONTENT["gx [deg/s]"]}
-    assert assert_as_csv(kind(content), tmp_path, content, rate=1.0).channels == ("a gx", "b gx")
+def test_a_column_of_words_is_no_channel(kind):
+    assert np.isnan(al.read(kind(WORDS))["gy"].values[0])
+    refused(al.DataError, "'note' holds text", lambda: al.read(kind(WORDS), channels=["note"]))
 
 
 @rows("kind", KINDS[:3])

@@ -2,21 +2,21 @@
 
 import hashlib
 import os
-from pathlib import Path
+from itertools import count
 
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import strategies as st
 from pyarrow import parquet
-from tests import examples
 from tests.rows import refused, rows
+from tests.unit.readers.checks import assert_as_whole, gathered, tried
 
 import allanite as al
-from allanite.parallel.processes import ahead, later
+from allanite.parallel.processes import ahead
 from allanite.readers.columns import lines as head
 from allanite.readers.formats.registry import READERS, reader_named
-from allanite.readers.parts import bytes_of, demand_memory, opened, whole_findings
+from allanite.readers.parts import bytes_of, demand_memory, opened
 from allanite.readers.sandbox.source import digest_of
 
 h5py = pytest.importorskip("h5py")
@@ -24,6 +24,7 @@ h5py = pytest.importorskip("h5py")
 N = 30_000
 RATE = 100.0
 UNIT = {"rate": RATE, "unit": "deg/s"}
+TIMED = {"unit": "deg/s", "time": "time_s"}
 
 
 def noise():
@@ -33,10 +34,7 @@ def noise():
 def stamped(lost=((1000, 1010), (20_000, 20_300))):
     """Time stamps and two channels, without some rows."""
     table = np.column_stack([np.arange(N) / RATE, noise()[:, :2]])
-    there = np.ones(N, bool)
-    for begin, end in lost:
-        there[begin:end] = False
-    return table[there]
+    return np.delete(table, np.concatenate([np.arange(0), *(np.arange(*rows) for rows in lost)]), axis=0)
 
 
 def npy(folder, array):
@@ -48,11 +46,18 @@ def fields(folder, lost=((1000, 1010), (20_000, 20_300))):
     return npy(folder, np.rec.fromarrays(stamped(lost).T, names=["time_s", "gx", "gy"]))
 
 
+def shifted(folder, seconds, where):
+    """A channel whose stamps are later there."""
+    time = np.arange(N) / RATE
+    time[where] += seconds
+    return npy(folder, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
+
+
 def table(folder):
     columns = stamped().T
     nanoseconds = np.rint(columns[0] * 1e9).astype("M8[ns]")
-    named = {"stamp": nanoseconds, "gx [deg/s]": columns[1].astype("f4"), "word": ["a"] * len(columns[0]),
-             "gy [deg/s]": pa.array(columns[2], mask=np.arange(len(columns[0])) % 997 == 5)}  # fmt: skip
+    gy = pa.array(columns[2], mask=np.arange(len(columns[2])) % 997 == 5)
+    named = {"stamp": nanoseconds, "gx [deg/s]": columns[1].astype("f4"), "word": ["a"] * len(gy), "gy [deg/s]": gy}
     parquet.write_table(pa.table(named), folder / "a.parquet", row_group_size=7000)
     return folder / "a.parquet"
 
@@ -83,30 +88,24 @@ def datasets(folder):
     return folder / "d.h5"
 
 
-def raw(folder):
-    noise().astype(">f4").tofile(folder / "a.bin")
+def raw(folder, values):
+    values.tofile(folder / "a.bin")
     return folder / "a.bin"
 
 
-def mixed(folder):
-    rows = np.zeros(N, [("a", "<u4"), ("b", "<i2", (2,))])
-    rows["b"] = np.rint(noise()[:, :2] * 100)
-    rows.tofile(folder / "m.bin")
-    return folder / "m.bin"
-
-
+MIXED = np.rec.fromarrays([np.zeros(N, "<u4"), np.rint(noise()[:, :2] * 100)], dtype=[("a", "<u4"), ("b", "<i2", (2,))])
 CASES = {
     "one column": (lambda folder: npy(folder, noise()[:, 0]), UNIT),
     "integers": (lambda folder: npy(folder, np.rint(noise() * 50).astype("i2")), UNIT),
     "columns one after the other": (lambda folder: npy(folder, np.asfortranarray(noise())), UNIT),
     "channels are rows": (lambda folder: npy(folder, noise().T.copy()), UNIT),
-    "fields with time": (fields, {"unit": "deg/s", "time": "time_s"}),
-    "some channels": (fields, {"unit": "deg/s", "time": "time_s", "channels": ["gy"]}),
+    "fields with time": (fields, TIMED), "some channels": (fields, TIMED | {"channels": ["gy"]}),
     "the rate overrides time": (fields, {"unit": "deg/s", "time": "none", "rate": 50.0, "channels": ["gx"]}),
     "parquet": (table, {}), "two columns are the clock": (epoch, {}),
     "parquet of allanite": (written(".parquet"), {}), "hdf5 of allanite": (written(".h5"), {}),
-    "hdf5 with time": (datasets, {}), "raw": (raw, UNIT | {"dtype": ">f4", "columns": 3}),
-    "mixed rows": (mixed, UNIT | {"dtype": "u4,2i2", "channels": ["2", "3"]}),
+    "hdf5 with time": (datasets, {}),
+    "mixed rows": (lambda folder: raw(folder, MIXED), UNIT | {"dtype": "u4,2i2", "channels": ["2", "3"]}),
+    "raw": (lambda folder: raw(folder, noise().astype(">f4")), UNIT | {"dtype": ">f4", "columns": 3}),
     "points of an angle": (lambda folder: npy(folder, noise()[:, 0]), {"rate": RATE, "unit": "deg", "kind": "angle"}),
 }  # fmt: skip
 
@@ -119,29 +118,10 @@ def short_head(monkeypatch):
     assert head.HEAD_ROWS > 5000
 
 
-def gathered(path, size, choices):
-    """The samples of each channel, the beat, notes and findings of a file read in parts."""
-    reader = opened(path, "1kB", choices)
-    found = [[np.empty(0)] for _ in reader.heads]
-    for lost, columns in reader.pieces(size):
-        for parts, values in zip(found, columns, strict=True):
-            parts += [np.full(lost, np.nan), values]
-    beat = reader.clock.beat()
-    return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
-
-
 @rows("case", CASES)
 def test_parts_are_the_whole(case, tmp_path):
     make, choices = CASES[case]
-    path = make(tmp_path)
-    whole = al.read(path, **choices)
-    found, beat, notes, findings = gathered(path, 7777, choices)
-    for values, record in zip(found, whole, strict=True):
-        np.testing.assert_array_equal(values, record.values)
-    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
-    assert beat.start == whole[0].start
-    assert notes == whole.notes
-    assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
+    assert_as_whole(make(tmp_path), 7777, choices)
 
 
 @rows("case", ["one column", "columns one after the other", "raw"])
@@ -153,79 +133,56 @@ def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path)
     refused(al.DataError, "ends in the middle of its numbers", lambda: list(reader.pieces(4096)))
 
 
-@settings(max_examples=examples(25), deadline=None)
-@given(st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5), st.integers(1100, 12_000))
-def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
-    path = fields(tmp_path_factory.mktemp("gaps"), [(begin, begin + length) for begin, length in holes])
-    choices = {"unit": "deg/s", "time": "time_s"}
-    whole = al.read(path, **choices)
-    found, beat, _, findings = gathered(path, size, choices)
-    for values, record in zip(found, whole, strict=True):
-        np.testing.assert_array_equal(values, record.values)
-    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-9)
-    assert [f.what for f in findings] == [f.what for f in whole.findings]
+HOLES = st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5)
+
+
+@tried(25, holes=HOLES, size=st.integers(1100, 12_000))
+def test_losses_are_gaps_wherever_the_parts_end(tmp_path, holes, size):
+    path = fields(tmp_path, [(begin, begin + length) for begin, length in holes])
+    assert_as_whole(path, size, TIMED, closeness=1e-9)
 
 
 @pytest.mark.slow("takes more than half a second")
 @rows("form", ["bag", "db3", "mcap"])
 def test_a_bag_is_read_in_parts(tmp_path, form):
     bag_files = pytest.importorskip("tests.bag_files", reason="pip install 'allanite[ros]'")
-    start, many = 1_700_000_000_999_999_990, 9000
-    values = np.random.default_rng(2).normal(size=(many, 6))
-    rows = [
-        (start + 10_000_000 * k, bag_files.packed(form, bag_files.imu(form, start + 10_000_000 * k, row, seq=k)))
-        for k, row in enumerate(values)
-        if not 6000 <= k < 6100
-    ]
-    path = bag_files.write(tmp_path, form, [bag_files.Topic("/imu", bag_files.IMU, rows)])
+    topic = bag_files.imu_topic(form, np.random.default_rng(2).normal(size=(9000, 6)))
+    path = bag_files.write(tmp_path, form, [topic._replace(messages=topic.messages[:6000] + topic.messages[6100:])])
     whole = al.read(path)
-    found, beat, _, findings = gathered(bag_files.file_of(path) if form != "bag" else path, 4096, {})
-    for values, record in zip(found, whole, strict=True):
+    samples, beat, _, findings = gathered(bag_files.file_of(path), 4096, {})
+    for values, record in zip(samples, whole, strict=True):
         np.testing.assert_array_equal(values, record.values)
     assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
     # the whole of ROS 1 is counted by its header.seq, a part by its stamps
-    said = ([f.what.partition(", according to")[0] for f in all_] for all_ in (findings, whole.findings))
-    assert len(set(map(tuple, said))) == 1
+    mine, known = ([f.what.partition(", according to")[0] for f in all_] for all_ in (findings, whole.findings))
+    assert mine == known
 
 
 def test_a_long_gap_takes_no_memory(tmp_path):
-    time, values = np.arange(N) / RATE, noise()[:, 0]
-    time[20_000:] += 1500.0
-    path = npy(tmp_path, np.rec.fromarrays([time, values], names=["time_s", "gx"]))
-    reader = opened(path, "1kB", {"unit": "deg/s", "time": "time_s"})
+    reader = opened(shifted(tmp_path, 1500.0, slice(20_000, None)), "1kB", TIMED)
     pieces = [(lost, columns[0].size) for lost, columns in reader.pieces(N)]
     assert pieces == [(0, 20_000), (150_000, 10_000)]
 
 
 def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
-    time = np.arange(N) / RATE
-    time[20_000:] -= 150.0
-    path = npy(tmp_path, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
-    choices = {"unit": "deg/s", "time": "time_s"}
+    path = shifted(tmp_path, -150.0, slice(20_000, None))
     for size, row in ((7000, 14_001), (5000, 20_001)):
         with pytest.raises(al.DataError, match=f"from row {row} on: rows are out of order"):
-            gathered(path, size, choices)
-    found, beat, notes, _ = gathered(path, 5000, choices | {"rate": RATE})
-    np.testing.assert_array_equal(found[0], noise()[:, 0])
+            gathered(path, size, TIMED)
+    samples, beat, notes, _ = gathered(path, 5000, TIMED | {"rate": RATE})
+    np.testing.assert_array_equal(samples[0], noise()[:, 0])
     assert beat.rate == RATE
     assert any("the rows are assumed to be evenly spaced" in note for note in notes)
 
 
 def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
-    choices, values = {"unit": "deg/s", "time": "time_s"}, noise()[:, 0]
-    for row in (9000, 13_999):
-        time = np.arange(N) / RATE
-        time[row] += 40.0
-        path = npy(tmp_path, np.rec.fromarrays([time, values], names=["time_s", "gx"]))
-        if row == 9000:
-            found, beat, _, findings = gathered(path, 7000, choices)
-            np.testing.assert_array_equal(found[0], values)
-            assert beat.rate == pytest.approx(RATE)
-            assert [finding.name for finding in findings] == ["damaged time stamps"]
-            assert "in row 9001 of the data" in findings[0].what
-        else:  # where the next stamps are not yet known
-            with pytest.raises(al.DataError, match=r"from row 14001 on: 1 time stamp of .* is earlier"):
-                gathered(path, 7000, choices)
+    samples, beat, _, (finding,) = gathered(shifted(tmp_path, 40.0, 9000), 7000, TIMED)
+    np.testing.assert_array_equal(samples[0], noise()[:, 0])
+    assert (beat.rate, finding.name) == (pytest.approx(RATE), "damaged time stamps")
+    assert "in row 9001 of the data" in finding.what
+    path = shifted(tmp_path, 40.0, 13_999)  # where the next stamps are not yet known
+    words = r"from row 14001 on: 1 time stamp of .* is earlier"
+    refused(al.DataError, words, lambda: gathered(path, 7000, TIMED))
 
 
 def test_what_fits_is_read_as_a_whole(tmp_path):
@@ -248,8 +205,8 @@ def test_what_fits_is_read_as_a_whole(tmp_path):
     some = UNIT | {"channels": ["1"]}
     demand_memory(path, "30MB", some)
     assert opened(path, "30MB", some) is None
-    with pytest.raises(al.UsageError, match=r"may take 29 MB of memory.* and this job is not read in parts"):
-        demand_memory(path, "2MB", some)
+    words = r"may take 29 MB of memory.* and this job is not read in parts"
+    refused(al.UsageError, words, lambda: demand_memory(path, "2MB", some))
 
 
 def test_every_format_with_parts_is_tried_here():
@@ -263,31 +220,17 @@ def test_a_size_is_a_number_of_bytes(text):
 
 
 def test_an_error_of_a_thread_comes_where_its_results_are_used():
-    def broken():
-        yield 1
-        raise al.DataError("no more")
-
-    items = ahead(broken())
+    items = ahead(1 // k for k in (1, 0))
     assert next(items) == 1
-    refused(al.DataError, "no more", lambda: next(items))
-    with pytest.raises(ZeroDivisionError):
-        later(lambda: 1 / 0).result()
+    refused(ZeroDivisionError, "division", lambda: next(items))
 
 
 def test_a_thread_ends_when_nobody_waits():
-    closed = []
-
-    def endless():
-        try:
-            while True:
-                yield Path()
-        finally:
-            closed.append(True)
-
-    items = ahead(endless())
+    source = (k for k in count())
+    items = ahead(source)
     next(items)
     items.close()
-    assert closed == [True]
+    assert source.gi_frame is None  # closed
 
 
 @rows("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])

@@ -3,6 +3,7 @@
 import hashlib
 import os
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -15,22 +16,10 @@ from allanite.readers.formats.registry import READERS, reader_named
 GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"
 
 
-@pytest.fixture
-def write(tmp_path):
-    def write(content, name="gyro.csv"):
-        path = tmp_path / name
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
-        return path
-
-    return write
-
-
 def test_source_and_digest(write, monkeypatch):
     path = write(GOOD)
-    recording = read(path)
-    assert recording.source == str(path)
-    assert recording.digest == hashlib.sha256(GOOD.encode()).hexdigest()
-    assert read(str(path)).source == str(path)
+    assert read(path).digest == hashlib.sha256(GOOD.encode()).hexdigest()
+    assert read(path).source == read(str(path)).source == str(path)
     monkeypatch.chdir(path.parent)
     assert read("gyro.csv").source == "gyro.csv"
 
@@ -42,51 +31,32 @@ def test_table_of_formats(name):
     assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
 
 
-def test_what_is_not_a_file_is_refused(tmp_path):
-    refused(DataError, "no such file", lambda: read(tmp_path / "absent.csv"))
-    refused(DataError, "directory", lambda: read(tmp_path))
-    with pytest.raises(DataError):
-        read("nul\0l")
+def test_what_is_no_path_is_refused():
+    refused(DataError, "nul", lambda: read("nul\0l"))
     refused(UsageError, "path", lambda: read(7))
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
-def test_a_pipe_is_refused_and_does_not_hang(tmp_path):
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no named pipes and devices")
+def test_a_pipe_or_a_device_is_refused_and_does_not_hang(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     refused(DataError, "pipe", lambda: read(tmp_path / "pipe.csv"))
-
-
-@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
-def test_a_device_is_refused():
     refused(DataError, "not a regular file", lambda: read("/dev/zero"))
 
 
 def test_no_permission(write, monkeypatch):
     path = write(GOOD)
-
-    def refuse(*_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "open", refuse)
+    monkeypatch.setattr(Path, "open", Mock(side_effect=PermissionError(13, "Permission denied")))
     refused(DataError, "Permission denied", lambda: read(path))
 
 
-@rows(
-    "name, content",
-    paired(
-        ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"],
-        [
-            b"", b"\n\n", np.random.default_rng(1).bytes(5000), b"\x00" * 3000, b"time,gx\n",
-            b"# nothing\n# at all\n",
-            b"1.0\n",
-        ],
-    ),
-)  # fmt: skip
+NAMES = ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"]
+NOISE = np.random.default_rng(1).bytes(5000)
+USELESS = [b"", b"\n\n", NOISE, b"\x00" * 3000, b"time,gx\n", b"# nothing\n# at all\n", b"1.0\n"]
+
+
+@rows("name, content", paired(NAMES, USELESS))
 def test_useless_content_is_refused_in_words(write, name, content):
-    with pytest.raises(AllaniteError) as caught:
-        read(write(content, name), rate=100, unit="deg/s")
-    assert name in str(caught.value)
-    assert len(str(caught.value)) > 40
+    refused(AllaniteError, f"/{name}: .{{20}}", lambda: read(write(content, name), rate=100, unit="deg/s"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -99,7 +69,6 @@ def test_rows_of_thousands_of_numbers_are_refused(write):
     *(({"rate": rate}, UsageError, "rate") for rate in (0, -1.0, float("nan"), float("inf"), "100", True, [100])),
     *(({"scale": scale}, UsageError, "scale") for scale in (0, -1.0, float("nan"), "one", "-1", "deg/s")),
     ({"unit": "furlong"}, UnitError, "deg/s, deg/h, rad/s"),
-    ({"kind": "speed"}, UsageError, "known kinds: rate, increment"),
     ({"kind": "increment"}, UsageError, "does not match kind 'increment'"),
     ({"channels": ["gq"]}, UsageError, r"no column 'gq'.*1: time \[s\].*2: gx \[deg/s\]"),
     ({"channels": []}, UsageError, "no channel"), ({"channels": ["gx", "2"]}, UsageError, "twice"),
@@ -109,13 +78,7 @@ def test_impossible_options_are_refused_in_words(write, options, error, words):
     refused(error, words, lambda: read(write(GOOD), **options))
 
 
-def test_missing_rate_and_unit_are_asked_for_together(write):
-    with pytest.raises(UsageError) as caught:
-        read(write("gx,gy\n" + "1.5,2.5\n" * 20))
-    for words in ("rate=100", "unit=", "'gx', 'gy'"):
-        assert words in str(caught.value)
-
-
-def test_counts_need_a_scale(write):
-    with pytest.raises(UsageError, match=r"scale=0\.1"):
-        read(write("gx\n" + "1\n2\n" * 20), rate=100, unit="arcsec", kind="count")
+def test_what_is_missing_is_asked_for(write):
+    refused(UsageError, "rate=100.*'gx', 'gy'.*unit=", lambda: read(write("gx,gy\n" + "1.5,2.5\n" * 20)))
+    path = write("gx\n" + "1\n2\n" * 20)
+    refused(UsageError, r"scale=0\.1", lambda: read(path, rate=100, unit="arcsec", kind="count"))

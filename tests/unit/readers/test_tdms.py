@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests.commands import run
-from tests.rows import refused
+from tests.rows import refused, rows
 
 import allanite as al
 
@@ -39,8 +39,6 @@ def test_groups_are_listed_and_chosen(runs):
     assert "rate 100.0 Hz from the property wf_increment of the channels" in recording.notes
     assert al.read(runs, channels=["Run 2"])[0].size == 300
     assert al.read(runs, channels=["Run 2/gyro x"])[0].rate == 500.0
-    refused(al.UsageError, r"contains Run 1/1", lambda: al.read(runs, channels=["Run 3"]))
-    assert run("info", runs).exit_code == 2
 
 
 def test_the_samples_are_those_of_nptdms(runs):
@@ -57,22 +55,20 @@ def test_time_stamps_in_a_channel(tmp_path):
     assert recording[0].rate == pytest.approx(50.0)
     assert np.array_equal(recording[0].values, GYRO[:, 0])
     # several segments and an index of another file
-    with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
+    with nptdms.TdmsWriter(path) as writer:
         for part in np.split(GYRO[:, 0], 5):
             writer.write_segment([nptdms.ChannelObject("Run", "gx", part, waveform("deg/s"))])
     (tmp_path / "a.tdms_index").write_bytes(b"TDSh" + bytes(40))
-    assert np.array_equal(al.read(tmp_path / "a.tdms")[0].values, GYRO[:, 0])
+    assert np.array_equal(al.read(path)[0].values, GYRO[:, 0])
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_damaged_files(runs, tmp_path):
-    whole = runs.read_bytes()
-    for data, words in (
-        (whole[:100], "damaged or incomplete: nptdms failed|no rows of numbers"),
-        (bytes(100), "does not begin like a TDMS file"),
-        (whole[:28] + b"\xff" * 40 + whole[68:], "damaged or incomplete: nptdms failed"),
-    ):
-        (tmp_path / "b.tdms").write_bytes(data)
-        with pytest.raises(al.DataError, match=words):
-            al.read(tmp_path / "b.tdms")
-        assert run("info", tmp_path / "b.tdms").exit_code == 3
+@rows("change, words", [
+    (lambda whole: whole[:100], "damaged or incomplete: nptdms failed|no rows of numbers"),
+    (lambda _: bytes(100), "does not begin like a TDMS file"),
+    (lambda whole: whole[:28] + b"\xff" * 40 + whole[68:], "damaged or incomplete: nptdms failed"),
+])  # fmt: skip
+def test_damaged_files(runs, write, change, words):
+    path = write(change(runs.read_bytes()), "b.tdms")
+    refused(al.DataError, words, lambda: al.read(path))
+    run("info", path, code=3)

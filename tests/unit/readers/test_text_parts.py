@@ -10,12 +10,13 @@ import zipfile
 import numpy as np
 import pytest
 from tests.rows import refused, rows
+from tests.unit.readers.checks import assert_as_whole, gathered
 
 import allanite as al
 from allanite.readers.columns import layout, lines
 from allanite.readers.formats import text
 from allanite.readers.options import Options
-from allanite.readers.parts import opened, whole_findings
+from allanite.readers.parts import opened
 
 N = 9000  # rows: more than the first part has, so that several follow
 
@@ -39,6 +40,7 @@ def broken(content, row, line):
 TIME = [f"{i / 100:.2f}" for i in range(N)]
 PLAIN = "time [s],gx [deg/s],gy [deg/s]\n" + cells(TIME, GX, GY)
 DAYS = STAMPS[0] + np.arange(N) * np.timedelta64(100, "s")  # ten days: the thirteenth shows which number is the day
+CLOCK = dated(STAMPS - np.timedelta64(60, "s"), "%H:%M:%S.%f")  # over midnight
 UNIT = {"unit": "deg/s"}
 
 CASES = {
@@ -60,14 +62,10 @@ CASES = {
     "date and time apart": (
         "date,time,gx [deg/s]\n" + cells(dated(STAMPS, "%Y/%m/%d"), dated(STAMPS, "%H:%M:%S.%f"), GX), {},
     ),
-    "times of day over midnight": (
-        "time,gx [deg/s]\n" + cells(dated(STAMPS - np.timedelta64(60, "s"), "%H:%M:%S.%f"), GX), {},
-    ),
+    "times of day over midnight": ("time,gx [deg/s]\n" + cells(CLOCK, GX), {}),
     "midnight every hundred rows": ("time,gx [deg/s]\n" + cells(dated(DAYS, "%H:%M:%S"), GX), {}),
     "seconds and nanoseconds": (
-        "sec,nanosec,gx [deg/s]\n" + cells([10**9 + i // 100 for i in range(N)], [i % 100 * 10**7 for i in range(N)],
-                                          GX),
-        {},
+        "sec,nanosec,gx [deg/s]\n" + cells(10**9 + np.arange(N) // 100, np.arange(N) % 100 * 10**7, GX), {},
     ),
     "a rate above the numbers": ("# Sample rate: 100 Hz\ngx [deg/s],gy [deg/s]\n" + cells(GX, GY), {}),
     "a last line that is cut off": (PLAIN + "90.00,1", {}),
@@ -78,14 +76,12 @@ CASES = {
     "UTF-16": (PLAIN.encode("utf-16"), {}),
     "a byte order mark": (PLAIN.encode("utf-8-sig") + b"\x1a", {}),
     "sentences with checksums": (
-        "".join(f"$IMU,{t},{x},{y}*5A\r\n" for t, x, y in zip(TIME, GX, GY, strict=True)),
+        cells(["$IMU"] * N, TIME, GX, GY).replace("\n", "*5A\r\n"),
         UNIT | {"channels": ["3", "4"], "rate": 100.0, "time": "none"},
     ),
     "a word among the numbers": (broken(PLAIN, 8123, "81.22,oops,1"), {}),
     "a row that is too short": (broken(PLAIN, 8123, "81.22,1"), {}),
-    "a time of another form": (
-        broken("time,gx [deg/s]\n" + cells(dated(STAMPS, "%H:%M:%S.%f"), GX), 8123, "noon,1"), {},
-    ),
+    "a time of another form": (broken("time,gx [deg/s]\n" + cells(CLOCK, GX), 8123, "noon,1"), {}),
     "a zero byte": (PLAIN[:200_000].encode() + b"\x00" + PLAIN[200_000:].encode(), {}),
 }  # fmt: skip
 
@@ -112,87 +108,38 @@ def file_of(folder, content):
     return path
 
 
-def joined(parts, wanted, at_once):
-    pieces = list(parts.blocks(wanted, at_once))
-    assert max(len(piece[0]) for piece in pieces) <= at_once
-    return [np.concatenate([piece[i] for piece in pieces]) for i in range(len(wanted))]
-
-
-@rows("case", ["a header", "missing cells", "words", "midnight every hundred rows", "latin letters", "a zero byte"])
-def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
-    content, choices = CASES[case]
-    path = str(file_of(tmp_path, content))
-    options = Options(**{k: tuple(v) if isinstance(v, list) else v for k, v in choices.items()})
-    if case in REFUSED:
-        said = refusal(lambda: text.columns_of(*text._opened(path)))
-        assert refusal(lambda: joined(text.parts(path, options), [0, 1], 1000)) == said
-        return
-    columns, _, notes, _ = text.columns_of(*text._opened(path))
-    parts = text.parts(path, options)
-    assert parts.head.notes == notes
-    wanted = [i for i, column in enumerate(columns) if not column.text]
-    assert len(parts.head.columns[0].values) < parts.rows == len(columns[wanted[0]].values)
-    for at_once in (7, 1000):
-        for i, values in zip(wanted, joined(parts, wanted, at_once), strict=True):
-            assert values.dtype == columns[i].values.dtype
-            assert values.tobytes() == columns[i].values.tobytes()
-
-
-@rows("case", [c for c in CASES if c not in ("midnight every hundred rows",)])
+@rows("case", CASES)
 def test_records_in_parts_are_those_of_the_whole(case, tmp_path):
     content, choices = CASES[case]
     path = file_of(tmp_path, content)
-
-    def gathered():
-        reader = opened(path, "1kB", choices)
-        pieces = list(reader.pieces(4096))
-        beat = reader.clock.beat()
-        filled = [
-            np.concatenate([np.r_[np.full(lost, np.nan), part[i]] if lost else part[i] for lost, part in pieces])
-            for i in range(len(reader.heads))
-        ]
-        return filled, beat, reader.sense.notes(beat), whole_findings(reader)
-
     if case in REFUSED:
-        said = refusal(lambda: al.read(path, **choices))
-        assert refusal(gathered).removeprefix(f"{path}: ") == said.removeprefix(f"{path}: ")
-        return
-    whole = al.read(path, **choices)
-    found, beat, notes, findings = gathered()
-    for values, record in zip(found, whole, strict=True):
-        assert values.dtype == record.values.dtype
-        assert values.tobytes() == record.values.tobytes()
-    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
-    assert beat.start == whole[0].start
-    assert notes == whole.notes
-    assert [f.what for f in findings] == [f.what for f in whole.findings]
-
-
-def packed(folder, suffix, content):
-    path = folder / f"a.csv{suffix}"
-    if suffix == ".zip":
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("readme.md", "not this")
-            archive.writestr("b.csv.gz", gzip.compress(content))
+        said = refusal(lambda: al.read(path, **choices)).removeprefix(f"{path}: ")
+        assert refusal(lambda: gathered(path, 4096, choices)).removeprefix(f"{path}: ") == said
     else:
-        path.write_bytes({".gz": gzip, ".bz2": bz2, ".xz": lzma}[suffix].compress(content))
-    return path
+        assert_as_whole(path, 4096, choices, strict=True)
 
 
-@rows("suffix", [".gz", ".bz2", ".xz", ".zip"])
-def test_a_packed_text_is_read_in_parts(suffix, tmp_path):
-    path = packed(tmp_path, suffix, PLAIN.encode())
-    member = f"{path}::b.csv.gz" if suffix == ".zip" else path
-    for name in (path, member):
-        reader = opened(name, "1kB", {})
-        assert reader.rows == N
-        pieces = [columns for _, columns in reader.pieces(1000)]
-        assert np.array_equal(np.concatenate([columns[0] for columns in pieces]), GX)
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory):
+    """A folder of the text in each packing."""
+    folder = tmp_path_factory.mktemp("packed")
+    with zipfile.ZipFile(folder / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("readme.md", "not this")
+        archive.writestr("b.csv.gz", gzip.compress(PLAIN.encode()))
+    for suffix, packing in ((".gz", gzip), (".bz2", bz2), (".xz", lzma)):
+        (folder / f"a.csv{suffix}").write_bytes(packing.compress(PLAIN.encode()))
+    return folder
+
+
+@rows("name", ["a.csv.gz", "a.csv.bz2", "a.csv.xz", "a.zip", "a.zip::b.csv.gz"])
+def test_a_packed_text_is_read_in_parts(name, packed):
+    reader = opened(f"{packed}/{name}", "1kB", {})
+    assert reader.rows == N
+    assert np.array_equal(np.concatenate([columns[0] for _, columns in reader.pieces(1000)]), GX)
 
 
 def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
-    path = packed(tmp_path, ".gz", PLAIN.encode())
-    whole = path.read_bytes()
+    path, whole = tmp_path / "a.csv.gz", gzip.compress(PLAIN.encode())
     path.write_bytes(whole[: len(whole) // 2])
     refused(al.DataError, r"the \.gz packing is damaged or was cut off", lambda: opened(path, "1kB", {}))
     path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))

@@ -10,24 +10,19 @@ import allanite as al
 
 pyulog = pytest.importorskip("pyulog")
 RNG = np.random.default_rng(5)
-GYRO = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;"
-FIFO = (
-    "uint64_t timestamp;uint64_t timestamp_sample;float dt;float scale;uint8_t samples;"
-    "int16_t[4] x;int16_t[4] y;int16_t[4] z;"
-)
-IMU = (
-    "uint64_t timestamp;uint64_t timestamp_sample;float[3] delta_angle;float[3] delta_velocity;"
-    "uint32_t delta_angle_dt;uint32_t delta_velocity_dt;"
-)
+STAMPS = "uint64_t timestamp;uint64_t timestamp_sample;"
+GYRO = STAMPS + "uint32_t device_id;float x;float y;float z;float temperature;"
+FIFO = STAMPS + "float dt;float scale;uint8_t samples;int16_t[4] x;int16_t[4] y;int16_t[4] z;"
+IMU = STAMPS + "float[3] delta_angle;float[3] delta_velocity;uint32_t delta_angle_dt;uint32_t delta_velocity_dt;"
 
 
-def ulog(path, *topics, before=b""):
+def ulog(path, *topics):
     """A log of topics, each with its name, instance, fields and packed rows."""
 
     def message(kind, payload):
         return struct.pack("<HB", len(payload), ord(kind)) + payload
 
-    data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0) + before
+    data = b"ULog\x01\x12\x35\x01" + bytes(8)
     data += b"".join(message("F", f"{n}:{f}".encode()) for n, f in {t[0]: t[2] for t in topics}.items())
     for i, (name, instance, _, packed) in enumerate(topics):
         data += message("A", struct.pack("<BH", instance, i) + name.encode())
@@ -53,10 +48,9 @@ def log(tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
     path, _, second = log
-    words = (
-        r"3 tables.*sensor_accel/0 \(300 rows at 400 Hz\), sensor_gyro/0 \(400 rows at 200 Hz\), sensor_gyro/1 \(300 "
-        r"rows at 100 Hz\)\); select one with channels='sensor_accel/0'"
-    )
+    sizes = ("sensor_accel/0", 300, 400), ("sensor_gyro/0", 400, 200), ("sensor_gyro/1", 300, 100)
+    listed = ", ".join(rf"{name} \({size} rows at {rate} Hz\)" for name, size, rate in sizes)
+    words = rf"3 tables.*{listed}\); select one with channels='sensor_accel/0'"
     refused(al.UsageError, words, lambda: al.read(path))
     for key in ("sensor_gyro/1", "/SENSOR_GYRO/1"):
         recording = al.read(path, channels=[key])
@@ -67,13 +61,7 @@ def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
     assert any("sensor_gyro/0 (400 rows" in note for note in recording.notes)
     assert al.read(path, channels=["sensor_gyro/1/z"]).channels == ("z",)
     assert al.read(path, channels=["sensor_accel"])[0].unit == "m/s^2"
-    refused(al.UsageError, r"2 tables .*sensor_gyro/0.*select one", lambda: al.read(path, channels=["sensor_gyro"]))
-    with pytest.raises(al.UsageError, match=r"2 tables of the file, each with its own clock.*one after the other"):
-        al.read(path, channels=["sensor_gyro/0", "sensor_accel/0"])
-    with pytest.raises(al.UsageError, match=r"no table or column 'imu' in the file; it contains sensor_accel/0"):
-        al.read(path, channels=["imu"])
-    with pytest.raises(al.UsageError, match=r"no column 'w'; columns: .*timestamp_sample"):
-        al.read(path, channels=["sensor_gyro/1/w"])
+    refused(al.UsageError, "2 tables .*sensor_gyro/0.*select one", lambda: al.read(path, channels=["sensor_gyro"]))
 
 
 def test_the_samples_are_those_of_pyulog(log):
@@ -91,14 +79,12 @@ def test_one_topic_is_taken_and_short_ones_are_not(tmp_path):
 
 def test_batches_are_unrolled(tmp_path):
     counts = RNG.integers(-900, 900, (100, 3, 4))
-    sizes = np.where(np.arange(100) % 2, 4, 3)
+    sizes = np.tile([3, 4], 50)
     ends = 10**9 + np.cumsum(sizes) * 1000
-    rows = [
-        struct.pack("<QQffB12h", t + 50, t, 1000.0, 0.5, n, *batch.ravel())
-        for t, n, batch in zip(ends, sizes, counts, strict=True)
-    ]
+    batches = list(zip(ends, sizes, counts, strict=True))
+    rows = [struct.pack("<QQffB12h", t + 50, t, 1000.0, 0.5, n, *batch.ravel()) for t, n, batch in batches]
     recording = al.read(ulog(tmp_path / "a.ulg", ("sensor_gyro_fifo", 0, FIFO, rows)))
-    expected = np.concatenate([batch[:, :n] for n, batch in zip(sizes, counts, strict=True)], axis=1)
+    expected = np.concatenate([batch[:, :n] for _, n, batch in batches], axis=1)
     assert recording[0].rate == pytest.approx(1000.0)
     assert np.array_equal(np.array([r.values for r in recording]), 0.5 * expected)
     assert recording[0].start == pytest.approx((ends[0] - 2000) * 1e-6)
@@ -110,8 +96,7 @@ def test_integrals_are_increments_if_they_cover_the_time_step(tmp_path, over, ki
     angles = RNG.normal(size=(300, 6)).astype("f4")
     rows = [struct.pack("<QQ6f2I", i * 5000, i * 5000, *v, over, over) for i, v in enumerate(angles)]
     recording = al.read(ulog(tmp_path / "a.ulg", ("vehicle_imu", 0, IMU, rows)))
-    assert [r.kind for r in recording] == [kind] * 6
-    assert recording[0].unit == unit
+    assert ([r.kind for r in recording], recording[0].unit) == ([kind] * 6, unit)
     scale = 1.0 if kind == "increment" else 1e3
     assert np.allclose(recording[1].values, scale * angles[:, 1].astype(float), rtol=1e-12)
     said = any("delta_angle covers 1 ms of the 5 ms between messages" in note for note in recording.notes)
@@ -121,21 +106,16 @@ def test_integrals_are_increments_if_they_cover_the_time_step(tmp_path, over, ki
 def test_an_unknown_topic_asks_for_its_unit(tmp_path):
     rows = [struct.pack("<Qf", i * 5000, v) for i, v in enumerate(RNG.normal(size=300))]
     path = ulog(tmp_path / "a.ulg", ("fog", 0, "uint64_t timestamp;float out;", rows))
-    with pytest.raises(al.UsageError, match=r"no table of the file has inertial signals.*fog/0 \(300 rows.*channels='"):
-        al.read(path)
+    words = r"no table of the file has inertial signals.*fog/0 \(300 rows.*channels='"
+    refused(al.UsageError, words, lambda: al.read(path))
     refused(al.UsageError, "'out': the unit is unknown", lambda: al.read(path, channels=["fog/0"]))
     assert al.read(path, channels=["fog/0"], unit="deg/h")["out"].size == 300
 
 
-def test_a_log_that_was_cut_off_or_damaged(log, tmp_path):
+def test_a_log_that_was_cut_off_or_damaged(log, write):
     whole = log[0].read_bytes()
-    cut = tmp_path / "cut.ulg"
-    cut.write_bytes(whole[: len(whole) // 2])
-    assert 200 <= al.read(cut, channels=["sensor_gyro/0"])[0].size <= 400
-    cut.write_bytes(whole + b"\6\0D\x63\0abcd")  # of no topic
-    damaged = al.read(cut, channels=["sensor_gyro/1"])
+    assert 200 <= al.read(write(whole[: len(whole) // 2], "cut.ulg"), channels=["sensor_gyro/0"])[0].size <= 400
+    damaged = al.read(write(whole + b"\6\0D\x63\0abcd", "cut.ulg"), channels=["sensor_gyro/1"])  # of no topic
     assert "the log is damaged in places; the messages there are left out" in damaged.notes
-    for data, words in ((whole[:40], "no rows"), (RNG.bytes(900), "does not begin like a PX4 log")):
-        cut.write_bytes(data)
-        with pytest.raises(al.DataError, match=words):
-            al.read(cut)
+    refused(al.DataError, "no rows", lambda: al.read(write(whole[:40], "cut.ulg")))
+    refused(al.DataError, "does not begin like a PX4 log", lambda: al.read(write(RNG.bytes(900), "cut.ulg")))

@@ -16,12 +16,13 @@ def angles(tmp_path_factory):
     return path
 
 
-def test_pulses_are_offered_for_integers_only(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("a [arcsec]\n" + "\n".join(f"{v}" for v in np.random.default_rng(1).standard_normal(500)))
-    with pytest.raises(al.UsageError) as refused:
-        al.read(path, rate=10.0)
-    assert "count" not in str(refused.value)
+NOISE = np.random.default_rng(1).standard_normal(500)
+
+
+def test_pulses_are_offered_for_integers_only(table):
+    with pytest.raises(al.UsageError) as caught:
+        al.read(table("a [arcsec]", NOISE), rate=10.0)
+    assert "count" not in str(caught.value)
 
 
 def test_values_are_all_columns_with_a_unit(angles):
@@ -37,32 +38,26 @@ def test_values_are_all_columns_with_a_unit(angles):
     assert any("according to the file it is arcmin" in str(finding) for finding in recording.findings)
 
 
-def test_columns_without_a_unit_are_asked_for(tmp_path):
-    path = tmp_path / "plain.csv"
-    np.savetxt(path, np.random.default_rng(1).standard_normal((500, 2)), "%.6g", ",", header="a,seq", comments="")
+def test_columns_without_a_unit_are_asked_for(table):
+    path = table("a,seq", NOISE, NOISE**2)
     refused(al.UsageError, "unit is unknown", lambda: al.read(path, kind="value", rate=10.0))
     recording = al.read(path, kind="value", rate=10.0, unit="mV")
     assert [(r.name, r.signal.name) for r in recording] == [("a", "voltage")]
     # an unknown quantity is refused by its unit
-    path = tmp_path / "odd.csv"
-    np.savetxt(path, np.random.default_rng(1).standard_normal((500, 1)), "%.6g", ",", header="a [V/s]", comments="")
-    with pytest.raises(al.UsageError, match="'V/s' is not a unit of a quantity that can be analyzed"):
-        al.read(path, kind="value", rate=10.0, channels=["a"])
+    words = "'V/s' is not a unit of a quantity that can be analyzed"
+    refused(al.UsageError, words, lambda: al.read(table("a [V/s]", NOISE), kind="value", rate=10.0, channels=["a"]))
 
 
 @rows("suffix", [".csv", ".npz", ".parquet"])
 def test_a_value_is_read_as_it_was_written(tmp_path, suffix):
-    record = al.Record(np.random.default_rng(1).standard_normal(500), 10.0, "arcsec", "value", name="az")
+    record = al.Record(NOISE, 10.0, "arcsec", "value", name="az")
     al.write(record, tmp_path / f"a{suffix}")
     again = al.read(tmp_path / f"a{suffix}")["az"]
     assert (again.kind, again.unit, again.signal.name) == ("value", "arcsec", "angle")
     assert np.array_equal(again.values, record.values)
 
 
-def test_an_angle_may_explain_a_gyro(tmp_path):
-    path = tmp_path / "table.csv"
-    rng = np.random.default_rng(1)
-    rows = rng.standard_normal((500, 2))
-    np.savetxt(path, rows, "%.9g", ",", header="gx [deg/s],table [deg]", comments="")
-    table = al.read(path, rate=10.0, channels=["gx"], along=["table"])["table"]
-    assert (table.kind, table.unit) == ("value", "deg")
+def test_an_angle_may_explain_a_gyro(table):
+    path = table("gx [deg/s],table [deg]", NOISE, NOISE**2)
+    angle = al.read(path, rate=10.0, channels=["gx"], along=["table"])["table"]
+    assert (angle.kind, angle.unit) == ("value", "deg")

@@ -43,11 +43,8 @@ def test_the_only_sheet_with_a_gyro_is_read_like_csv(tmp_path):
 
 def test_dates_empty_cells_and_units_in_a_row_of_their_own(tmp_path):
     rows = [["when", "gx", "gy", "remark"], [None, "deg/s", "deg/s", None]]
-    for i in range(300):
-        gx = None if i == 7 else float(GYRO[i, 0])
-        rows.append(
-            [START + i * datetime.timedelta(milliseconds=20), gx, float(GYRO[i, 1]), "on" if i == 200 else None]
-        )
+    rows += [[START + i * datetime.timedelta(milliseconds=20), *row, None] for i, row in enumerate(GYRO.tolist())]
+    rows[9][1], rows[202][3] = None, "on"
     recording = al.read(workbook(tmp_path / "a.xlsx", Run=rows), time="when")
     assert (recording.channels, recording[0].rate) == (("gx", "gy"), pytest.approx(50.0))
     assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [7]
@@ -57,11 +54,10 @@ def test_dates_empty_cells_and_units_in_a_row_of_their_own(tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_several_sheets_are_listed_and_chosen(tmp_path):
     path = workbook(tmp_path / "a.xlsx", Run_1=timed(), Run_2=timed(250))
-    with pytest.raises(al.UsageError, match=r"2 tables .*\(Run 1 \(300 rows\), Run 2 \(250 rows\)\).*channels='Run 1'"):
-        al.read(path)
+    words = r"2 tables .*\(Run 1 \(300 rows\), Run 2 \(250 rows\)\).*channels='Run 1'"
+    refused(al.UsageError, words, lambda: al.read(path))
     assert al.read(path, channels=["Run 2"])[0].size == 250
     assert al.read(path, channels=["Run 2/gy"]).channels == ("gy",)
-    refused(al.UsageError, r"contains Run 1", lambda: al.read(path, channels=["Run 3"]))
     ends(run("info", path), 2, "--channels 'Run 1'")
 
 
@@ -77,18 +73,14 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
     # workbooks without numbers and damaged ones
     refused(al.DataError, "no sheet", lambda: al.read(workbook(tmp_path / "a.xlsx", Notes=[["nothing"]])))
     whole = workbook(tmp_path / "a.xlsx", Run=timed()).read_bytes()
-    (tmp_path / "b.xlsx").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "c.xlsx").write_bytes(whole[:4] + bytes(500))
-    for name in ("b.xlsx", "c.xlsx"):
-        with pytest.raises(al.DataError, match="the archive is incomplete"):
-            al.read(tmp_path / name)
-        assert run("info", tmp_path / name).exit_code == 3
+    for data in (whole[: len(whole) // 2], whole[:4] + bytes(500)):
+        path.write_bytes(data)
+        ends(run("info", path), 3, "the archive is incomplete")
 
 
 def replaced(folder, sheet):
-    sheet = sheet.replace(
-        "<worksheet>", '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">'
-    )
+    space = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    sheet = sheet.replace("<worksheet>", f'<worksheet xmlns="{space}">')
     whole = workbook(folder / "a.xlsx", Run=timed())
     with zipfile.ZipFile(whole) as old, zipfile.ZipFile(folder / "b.xlsx", "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
@@ -105,8 +97,8 @@ def replaced(folder, sheet):
     "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
 ], ids=["row number", "entities", "a long cell"])  # fmt: skip
 def test_bombs_are_refused(tmp_path, sheet):
-    with pytest.raises(al.DataError, match=r"openpyxl failed|claims|no sheet"):
-        al.read(replaced(tmp_path, sheet), rate=1, unit="deg/s")
+    path = replaced(tmp_path, sheet)
+    refused(al.DataError, "openpyxl failed|claims|no sheet", lambda: al.read(path, rate=1, unit="deg/s"))
 
 
 def test_a_sheet_that_claims_to_be_larger_is_read(tmp_path):

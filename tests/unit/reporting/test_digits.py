@@ -7,21 +7,18 @@ from tests.rows import rows
 from allanite.reporting.digits import digits
 
 
-@rows(
-    ("value", "low", "high", "shown", "interval"),
-    [
-        (0.310213, 0.30217, 0.318712, "0.3102", "0.3022 .. 0.3187"),
-        (12345.6, 11900.0, 12800.0, "12350", "11900 .. 12800"),
-        (9.0241e-5, 8.79e-5, 9.251e-5, "9.02e-5", "8.79e-5 .. 9.25e-5"),
-        (0.65, 0.29, 1.03, "0.65", "0.29 .. 1.03"),
-        (1.0, 0.9004, 1.0996, "1.00", "0.90 .. 1.10"),  # the half width is 0.0996, and that is 0.10
-        (0.3, 0.0, 25.0, "0.30", "0.00 .. 25.00"),  # never fewer than two digits of the value
-        (3.2e6, 3.1e6, 3.3e6, "3.20e6", "3.10e6 .. 3.30e6"),
-        (0.01, -0.0001, 0.02, "0.010", "0.000 .. 0.020"),  # no negative zero
-        (0.0, -0.5, 0.5, "0.00", "-0.50 .. 0.50"),
-        (1.9e-5, -0.2763, 0.2801, "0.00", "-0.28 .. 0.28"),  # near zero: as many as the interval needs
-    ],
-)
+@rows("value, low, high, shown, interval", [
+    (0.310213, 0.30217, 0.318712, "0.3102", "0.3022 .. 0.3187"),
+    (12345.6, 11900.0, 12800.0, "12350", "11900 .. 12800"),
+    (9.0241e-5, 8.79e-5, 9.251e-5, "9.02e-5", "8.79e-5 .. 9.25e-5"),
+    (0.65, 0.29, 1.03, "0.65", "0.29 .. 1.03"),
+    (1.0, 0.9004, 1.0996, "1.00", "0.90 .. 1.10"),  # the half width is 0.0996, and that is 0.10
+    (0.3, 0.0, 25.0, "0.30", "0.00 .. 25.00"),  # never fewer than two digits of the value
+    (3.2e6, 3.1e6, 3.3e6, "3.20e6", "3.10e6 .. 3.30e6"),
+    (0.01, -0.0001, 0.02, "0.010", "0.000 .. 0.020"),  # no negative zero
+    (0.0, -0.5, 0.5, "0.00", "-0.50 .. 0.50"),
+    (1.9e-5, -0.2763, 0.2801, "0.00", "-0.28 .. 0.28"),  # near zero: as many as the interval needs
+])  # fmt: skip
 def test_value_and_limits_are_rounded_alike(value, low, high, shown, interval):
     assert digits(value, low, high).plain() == (shown, interval)
 

@@ -6,35 +6,21 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.reporting import first_screen, page, plot
-from allanite.reporting.figures.drawing import (
-    ENOUGH_DISTANCE,
-    GRID,
-    MARGIN,
-    NEAR,
-    LabelBox,
-    crossings,
-    freedom,
-    place,
-    together,
-)
+from allanite.reporting.figures import drawing
+from allanite.reporting.figures.drawing import LabelBox, crossings, freedom, place
 from allanite.reporting.printing import encode
 
 NOTHING = np.empty((0, 2))
 
 
-@rows(
-    ("obstacle", "wanted"),
-    [((0.5, 0.5), 0.0), ((0.5, 0.56), 1.2), ((0.5, 0.44), 1.2), ((0.61, 0.52), 1.1), ((0.9, 0.9), ENOUGH_DISTANCE)],
-)
-def test_points_are_as_far_from_a_label_as_they_are_outside_it(obstacle, wanted):
-    """1 is its edge."""
-    label = LabelBox(0.5, 0.5, 0.2, 0.1)
-    assert freedom(label, np.array([(0.95, 0.05), obstacle]), ()) == pytest.approx(wanted)
-
-
-def test_labels_keep_a_wider_distance_from_each_other():
-    label, touching = LabelBox(0.5, 0.5, 0.2, 0.1), LabelBox(0.5, 0.6, 0.2, 0.1)
-    assert freedom(label, NOTHING, ()) == ENOUGH_DISTANCE
+def test_points_are_outside_of_a_label_and_labels_keep_a_wider_distance_from_each_other():
+    """1 is the edge of a label."""
+    label, far = LabelBox(0.5, 0.5, 0.2, 0.1), drawing.ENOUGH_DISTANCE
+    distances = {(0.5, 0.5): 0.0, (0.5, 0.56): 1.2, (0.5, 0.44): 1.2, (0.61, 0.52): 1.1, (0.9, 0.9): far}
+    for obstacle, wanted in distances.items():
+        assert freedom(label, np.array([(0.95, 0.05), obstacle]), ()) == pytest.approx(wanted), obstacle
+    touching = LabelBox(0.5, 0.6, 0.2, 0.1)
+    assert freedom(label, NOTHING, ()) == far
     assert freedom(label, NOTHING, [touching]) == pytest.approx(1.0)
     assert freedom(label, NOTHING, [touching._replace(y=0.55)]) == pytest.approx(-0.5)
 
@@ -52,10 +38,10 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
 def test_no_place_of_a_label_is_better_than_the_one_that_is_taken(seed):
     """Against all places, each judged by itself."""
     rng, x = np.random.default_rng(seed), np.linspace(0, 1, 60)
-    lines = together(np.column_stack([x, a + b * x]) for a, b in rng.uniform(-0.5, 1, (4, 2)))
+    lines = drawing.together(np.column_stack([x, a + b * x]) for a, b in rng.uniform(-0.5, 1, (4, 2)))
     anchors, size = rng.uniform(0.1, 0.9, (5, 2)), (0.25, 0.06)
     taken = [LabelBox(*rng.uniform(0.2, 0.8, 2), *size, tuple(rng.uniform(0.1, 0.9, 2).tolist())) for _ in range(3)]
-    margin = MARGIN + np.array(size) / 2
+    margin = drawing.MARGIN + np.array(size) / 2
 
     def worth(centre, near):
         free = freedom(LabelBox(*centre, *size), lines, taken)
@@ -63,7 +49,8 @@ def test_no_place_of_a_label_is_better_than_the_one_that_is_taken(seed):
         return free - (free < 1) - np.hypot(*(near - centre)) - 0.7 * min(crossed, 3)
 
     best = -np.inf
-    for centre in np.clip([*(anchors[:, None] + NEAR * size).reshape(-1, 2), *GRID], margin, 1 - margin):
+    near = (anchors[:, None] + drawing.NEAR * size).reshape(-1, 2)
+    for centre in np.clip([*near, *drawing.GRID], margin, 1 - margin):
         away = np.hypot(*(anchors - centre).T) + 0.002 * np.arange(len(anchors))
         best = max(best, worth(centre, anchors[away.argmin()]))
     label = place(anchors, size, lines, taken)

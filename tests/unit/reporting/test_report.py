@@ -10,6 +10,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from tests.rows import rows
@@ -18,78 +19,62 @@ import allanite as al
 from allanite.batch.batch import Batch, unit_of
 from allanite.batch.specification import Specification
 from allanite.cli.deliver import Outputs, deliver
-from allanite.core.curve import Curve
-from allanite.core.estimate import Estimate
-from allanite.core.fit import Fit, Goodness
-from allanite.core.model import B, N, R, term
-from allanite.core.record import Record
+from allanite.core.fit import Goodness
+from allanite.core.model import term
 from allanite.core.syntax import toml
 from allanite.core.units import signal_named
 from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import say
 from allanite.reporting import page, plot, table, to_csv
-from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.record import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.printing import encode, new_figure, printed
 from allanite.reporting.sheet import Table
 from allanite.reporting.views import view_of
-from allanite.reporting.words import title
-from allanite.statistics import expected
-from allanite.study.recipe import Recipe
-from allanite.study.results import Channel, Noise, Study
+from allanite.study.results import Channel, Noise
 
 HOSTILE = "<script>alert('x')</script>"
 
 
 def found(part, relative=0.02, status="identified"):
-    low, high = sorted((part.value * (1 - 2 * relative), part.value * (1 + 2 * relative)))
-    limits = lambda level: (low, high)  # noqa: E731
-    size = abs(part.value)
-    return Estimate(part.symbol, part.signal, part.value, size * relative, status, 1.1 * size, "whittle", limits)
+    ends, size = sorted((part.value * (1 - 2 * relative), part.value * (1 + 2 * relative))), abs(part.value)
+    error, most = size * relative, 1.1 * size
+    return al.Estimate(part.symbol, part.signal, part.value, error, status, most, "whittle", lambda level: tuple(ends))
 
 
 def absent(symbol, limit, unit):
-    most = term(symbol, limit, unit)
-    return Estimate(symbol, most.signal, None, None, "absent", most.value, "whittle", lambda level: (0.0, most.value))
-
-
-def curve_of(model, name, points=40):
-    m = np.unique(np.geomspace(1, 30_000, points).astype(np.int64))
-    variance = expected(model, "oadev", m / 10.0)
-    edf = np.geomspace(5000, 0.8, m.size)
-    law = lambda level: (edf, np.exp(-1 / edf**0.5), np.exp(3 / edf**0.5))  # noqa: E731
-    return Curve(
-        "oadev", m, m / 10.0, variance, m[::-1].copy(), np.ones(m.size), "rad/s", 10.0, name=name, noise=model, law=law
-    )
+    part = term(symbol, limit, unit)
+    most, limits = part.value, lambda level: (0.0, part.value)
+    return al.Estimate(symbol, part.signal, None, None, "absent", most, "whittle", limits)
 
 
 def channel_of(name="gyro_z", p=0.4, reasons=(), warnings=()):
-    model = N(0.05, "deg/sqrt(h)") + B(0.5, "deg/h") + R(-0.4, "deg/h^2")
+    model = al.N(0.05, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.R(-0.4, "deg/h^2")
     estimates = (
-        absent("Q", 0.12, "arcsec"),
-        found(model["N"]),
-        found(model["B"], 0.3, "weak"),
-        absent("K", 2.1, "deg/h/sqrt(h)"),
-        found(model["R"], 0.1),
-    )
+        absent("Q", 0.12, "arcsec"), found(model["N"]), found(model["B"], 0.3, "weak"),
+        absent("K", 2.1, "deg/h/sqrt(h)"), found(model["R"], 0.1),
+    )  # fmt: skip
     z = np.linspace(-1.5, 1.5, 24)
     good = Goodness(np.geomspace(1e-4, 5, 25), np.exp(z / 10), z, p, tuple(reasons))
-    curve = curve_of(model, name)
-    record = Record(np.sin(np.arange(600.0)), 10.0, "deg/h", name=name)
-    fit = Fit(estimates, "whittle", signal_named("gyro"), model=model, name=name, goodness=good, curve=curve)
+    m = np.unique(np.geomspace(1, 30_000, 40).astype(np.int64))
+    edf = np.geomspace(5000, 0.8, m.size)
+    law = lambda level: (edf, np.exp(-1 / edf**0.5), np.exp(3 / edf**0.5))  # noqa: E731
+    numbers = (m, m / 10.0, al.expected(model, "oadev", m / 10.0), m[::-1].copy(), np.ones(m.size))
+    curve = al.Curve("oadev", *numbers, "rad/s", 10.0, name=name, noise=model, law=law)
+    record = al.Record(np.sin(np.arange(600.0)), 10.0, "deg/h", name=name)
+    fit = al.Fit(estimates, "whittle", signal_named("gyro"), model=model, name=name, goodness=good, curve=curve)
     quality = Quality(tuple(Finding("spikes", what, remedy="look at them") for what in warnings))
     return Channel(record, quality, Noise(fit), curves=(curve,))
 
 
 def refused(name="gyro_x"):
-    record = Record(np.arange(300.0), 10.0, "deg/h", name=name)
+    record = al.Record(np.arange(300.0), 10.0, "deg/h", name=name)
     return Channel(record, Quality(()), refusal=f"{name!r} never changes; check the plug")
 
 
 def study_of(*channels, source="bench/fog.csv", notes=("rate 10 Hz from column 'time [s]'",), **choices):
     provenance = {"allanite": "1.2.3", "python": "3.12.0", "source": source, "sha256": "ab" * 32}
-    return Study(tuple(channels), Recipe(**choices), (), tuple(notes), provenance)
+    return al.Study(tuple(channels), al.Recipe(**choices), (), tuple(notes), provenance)
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +97,6 @@ class Tags(HTMLParser):
         self.text.append(data)
 
 
-# the table
-
-
 @rows("width", [80, 100, 120, 160])
 def test_no_line_of_the_table_is_wider_than_the_terminal(study, width):
     text = table(study, width=width)
@@ -124,54 +106,40 @@ def test_no_line_of_the_table_is_wider_than_the_terminal(study, width):
 
 
 def test_the_table_of_a_study(study):
-    line = next(line for line in table(study, width=160).splitlines() if "angle random walk" in line)
-    assert "°/√h" in line
-    assert "rad/√s" not in table(study, width=160)
-    assert "rad/√s" in page(study)
-    # values carry the digits of their interval
-    assert "0.0500  0.0480 .. 0.0520" in table(study)
-    assert "1.454 × 10⁻⁵" in page(study)
-    assert "1.396 × 10⁻⁵ … 1.513 × 10⁻⁵" in page(study)
+    text, broad, shown = table(study), table(study, width=160), page(study)
+    assert "°/√h" in next(line for line in broad.splitlines() if "angle random walk" in line)
+    assert "rad/√s" not in broad
+    assert "rad/√s" in shown
+    # values carry the digits of their interval; a ramp has a sign
+    assert "0.0500  0.0480 .. 0.0520" in text
+    assert "1.454 × 10⁻⁵" in shown
+    assert "1.396 × 10⁻⁵ … 1.513 × 10⁻⁵" in shown
+    assert "-0.400  -0.480 .. -0.320" in text
     # absent terms are said to be not identified with their limit
-    text = table(study)
     assert re.search(r"Q  quantization noise +below 0.12 +arcsec +absent", text)
     assert re.search(r"K  rate random walk +below 2.1 +°/h/√h +absent", text)
     assert "one-sided 95 % upper limit" in text
-    # the ramp has a sign
-    assert "-0.400  -0.480 .. -0.320" in table(study)
     # what was assumed and what made it stand in the header
-    text = table(study)
     for word in ("bench/fog.csv", "rate 10 Hz from column 'time [s]'", "ab" * 32, "allanite 1.2.3", "1 min"):
         assert word in text.replace("60 s", "1 min")
     # a refused channel says why
-    assert "no result: 'gyro_x' never changes; check the plug" in table(study)
+    assert "no result: 'gyro_x' never changes; check the plug" in text
     # colour is for terminals
     assert "\x1b[" in table(study, color=True)
 
 
 def test_other_tables():
     channel = channel_of()
-    estimates = (absent("Q", 2e-5, "arcsec"), *channel.fit.estimates[1:])
-    fit = Fit(estimates, "whittle", channel.fit.signal, model=channel.fit.model)
-    assert "below 2.0e-5" in table(study_of(Channel(channel.record, channel.quality, Noise(fit))))
+    fit = replace(channel.fit, estimates=(absent("Q", 2e-5, "arcsec"), *channel.fit.estimates[1:]))
+    assert "below 2.0e-5" in table(study_of(replace(channel, noise=Noise(fit))))
     # warnings and a model that explains nothing stand above the numbers
     text = table(study_of(channel_of(p=1e-9, reasons=("a line at 3 Hz",), warnings=("12 spikes",))))
     first = text.index("no model of these terms explains the record")
     assert first < text.index("angle random walk")
     assert text.index("12 spikes; look at them") < text.index("angle random walk")
     assert "a line at 3 Hz" in text
-    # names cannot drive the terminal
-    text = table(study_of(channel_of("\x1b[31mred[/bold]")), color=False)
-    assert "\x1b" not in text
-    assert "[31mred[/bold]" in text
-    # an accelerometer has its own words
-    accelerometer = signal_named("accelerometer")
-    assert title("N", accelerometer) == "velocity random walk"
-    assert title("K", accelerometer) == "acceleration random walk"
-    assert printed_unit("ug/sqrt(Hz)") == "µg/√Hz"
-
-
-# words
+    # a name is no markup
+    assert "[31mred[/bold]" in table(study_of(channel_of("\x1b[31mred[/bold]")), color=False)
 
 
 def test_a_page_says_nothing_twice():
@@ -181,18 +149,12 @@ def test_a_page_says_nothing_twice():
     part = text[text.index('<section id="s1"') : text.index('<section id="method"')]
     shown = re.sub("<svg.*?</svg>", "", part[: part.index("<details")], flags=re.DOTALL)
     assert shown.count("xplained") == 1
-    assert re.findall("<li>(.*?)</li>", shown)[:3] == [
-        "Heavy tails",
-        "One outlier; look at them",
-        "Coarse steps; look at them",
-    ]
+    warnings = ["Heavy tails", "One outlier; look at them", "Coarse steps; look at them"]
+    assert re.findall("<li>(.*?)</li>", shown)[:3] == warnings
     assert shown.count("noise density") == 2
     assert 'class="alert"' not in text
-    for found in ("0.0500", "angle random walk", "1.454 × 10⁻⁵"):
-        assert shown.count(f">{found}<") == 1, found
-
-
-# figures
+    for cell in ("0.0500", "angle random walk", "1.454 × 10⁻⁵"):
+        assert shown.count(f">{cell}<") == 1, cell
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -207,8 +169,7 @@ def test_each_channel_has_a_figure_of_its_own_where_the_path_says_so(tmp_path, m
         deliver(study.channels[0].curve, Outputs({"plot": "{channel}.svg"}, quiet=True))
 
 
-def test_limits_add_to_the_report_of_one_file():
-    study = study_of(channel_of(), refused())
+def test_limits_add_to_the_report_of_one_file(study):
     limits = Specification.from_toml({"limits": {"N": {"max": "0.04 deg/sqrt(h)"}}})
     batch = Batch((unit_of("fog.csv", study, limits),), {}, 0.95, limits)
     alone, judged = view_of(study).face(study, 0.95), view_of(batch).face(batch, 0.95)
@@ -220,10 +181,12 @@ def test_limits_add_to_the_report_of_one_file():
 
 
 def test_figures_of_a_study(study):
-    assert len(plot(study).axes) == 1
     assert len(plot(study_of(channel_of("x"), channel_of("y"), channel_of("z"))).axes) == 3
+    before = dict(mpl.rcParams)
+    (ax,) = plot(study).axes
+    assert dict(mpl.rcParams) == before
     # labels give the coefficients
-    texts = [text.get_text() for text in plot(study).axes[0].texts]
+    texts = [text.get_text() for text in ax.texts]
     assert "N = 0.0500 (0.0480 … 0.0520) °/√h\nat τ = 1 s: 3 °/h" in texts
     assert "0.664 B = 0.332 °/h\nB = 0.50 (0.20 … 0.80) °/h" in texts
     assert "R = −0.400 (−0.480 … −0.320) °/h²" in texts
@@ -234,7 +197,7 @@ def test_figures_of_a_study(study):
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "below 2 degrees of freedom" in legend
     assert figure.axes[0].get_title("right") == "not explained, p = 1e-09"
-    assert plot(study).axes[0].get_title("right") == "explained, p = 0.4"
+    assert ax.get_title("right") == "explained, p = 0.4"
     # a bare curve can be drawn
     curve = study.channels[0].curve
     bare = replace(curve, name="", noise=None, law=None)
@@ -244,13 +207,7 @@ def test_figures_of_a_study(study):
     with pytest.raises(al.UsageError, match="a int cannot be shown: compute a result first"):
         plot(3)
     with pytest.raises(al.UsageError, match="no samples"):
-        plot(type(study_of(refused())).from_dict(study_of(refused()).to_dict()))
-    # drawing leaves the settings of matplotlib alone
-    import matplotlib as mpl
-
-    before = dict(mpl.rcParams)
-    plot(study)
-    assert dict(mpl.rcParams) == before
+        plot(al.Study.from_dict(study_of(refused()).to_dict()))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -266,10 +223,11 @@ def test_the_model_that_is_drawn_has_the_warm_up_that_was_found():
 @pytest.mark.slow("takes more than half a second")
 @rows("suffix", ["png", "svg", "pdf"])
 def test_a_saved_figure_is_the_same_every_time(study, tmp_path, suffix):
-    for name in ("a", "b"):
-        plot(study, path=tmp_path / f"{name}.{suffix}")
-    first = (tmp_path / f"a.{suffix}").read_bytes()
-    assert first == (tmp_path / f"b.{suffix}").read_bytes()
+    paths = [tmp_path / f"{name}.{suffix}" for name in "ab"]
+    for path in paths:
+        plot(study, path=path)
+    first, second = (path.read_bytes() for path in paths)
+    assert first == second
     assert len(first) > 5000
 
 
@@ -284,19 +242,13 @@ def test_a_cell_without_power_does_not_spoil_the_strips(least):
     assert figure.axes[0].get_ylim()[0] > 0.04
 
 
-# the page
-
-
-@pytest.fixture(scope="module")
-def text():
+def test_the_page_loads_nothing_and_tells_the_whole_story():
     channels = (channel_of(HOSTILE, p=1e-9, warnings=(HOSTILE,)), channel_of("b$x_{\\evil$"), refused(f"r{HOSTILE}"))
-    return page(study_of(*channels, source=f"bench/{HOSTILE.replace('/', '')}.csv", notes=(HOSTILE,), unit="deg/h"))
-
-
-def test_the_page_loads_nothing_and_tells_the_whole_story(text):
-    tags = Tags(text).tags
-    names = {tag for tag, _ in tags}
-    assert not names & {"iframe", "img", "object", "embed", "base", "form"}
+    source = f"bench/{HOSTILE.replace('/', '')}.csv"
+    text = page(study_of(*channels, source=source, notes=(HOSTILE,), unit="deg/h"))
+    parsed = Tags(text)
+    tags, words = parsed.tags, "".join(parsed.text)
+    assert not {tag for tag, _ in tags} & {"iframe", "img", "object", "embed", "base", "form"}
     links = [value for _, attrs in tags for key, value in attrs.items() if key in ("src", "href", "xlink:href", "data")]
     assert all(link.startswith(("#", "data:")) for link in links)
     assert not any(key.startswith("on") for _, attrs in tags for key in attrs)
@@ -307,30 +259,26 @@ def test_the_page_loads_nothing_and_tells_the_whole_story(text):
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     assert policy.startswith(f"default-src 'none'; script-src 'sha256-{digest}';")
     # the pictures are in the page and share no names
-    tags = Tags(text).tags
     assert [tag for tag, _ in tags].count("svg") == 22
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))
     # hostile names come out as text
     assert text.count("<script") == 1
-    assert HOSTILE in "".join(Tags(text).text)
+    assert HOSTILE in words
     # the page tells the whole story
-    words = "".join(Tags(text).text)
-    for part in (
-        "DOES NOT FIT", "below 2.1", "Whittle", "upper limit",
-        'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "No result",
-    ):  # fmt: skip
-        assert part in words, part
+    told = ("DOES NOT FIT", "below 2.1", "Whittle", "upper limit", 'unit = "deg/h"', "ab" * 32, "1.2.3",
+            "What was assumed", "No result")  # fmt: skip
+    assert [part for part in told if part not in words] == []
     assert "<math" in text
     # warnings stand above the numbers of the channels
     assert text.index('class="alert" role="note"') < text.index('id="s1"')
 
 
 def test_what_machines_read(tmp_path, study):
-    recipe = Recipe(about=('serial=a"b\\',), channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
+    recipe = al.Recipe(about=('serial=a"b\\',), channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
     (tmp_path / "recipe.toml").write_text(toml(recipe.to_dict()), encoding="utf-8")
-    assert Recipe.load(tmp_path / "recipe.toml") == recipe
+    assert al.Recipe.load(tmp_path / "recipe.toml") == recipe
     # json is strict and complete
     broken = study_of(channel_of(), refused())
     m = broken.channels[0].curve.m.size
@@ -339,15 +287,11 @@ def test_what_machines_read(tmp_path, study):
     assert data["channels"][0]["curves"][0]["edf"] == [None] * m
     assert json.loads(to_json(study)) == json.loads(json.dumps(study.to_dict()))
     # csv holds the curves in the units of data sheets
-    rows = list(csv.DictReader(io.StringIO(to_csv(study))))
-    curve = study.channels[0].curve
-    assert len(rows) == curve.m.size
-    assert rows[0]["unit"] == "deg/h"
-    assert float(rows[3]["deviation"]) == pytest.approx(curve.to("deg/h").deviation[3])
-    assert float(rows[3]["low"]) < float(rows[3]["deviation"]) < float(rows[3]["high"])
-
-
-# for machines
+    rows, curve = list(csv.DictReader(io.StringIO(to_csv(study)))), study.channels[0].curve
+    assert (len(rows), rows[0]["unit"]) == (curve.m.size, "deg/h")
+    low, value, high = (float(rows[3][key]) for key in ("low", "deviation", "high"))
+    assert value == pytest.approx(curve.to("deg/h").deviation[3])
+    assert low < value < high
 
 
 @rows(("statistic", "share"), [("mdev", "0.546 B"), ("mtotdev", "0.462 B")])

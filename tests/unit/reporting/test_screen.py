@@ -16,9 +16,6 @@ from allanite.reporting.screen import COLUMNS, LINES, render
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
 from allanite.reporting.views.jobs import doubts
 from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
-from allanite.study.recipe import Recipe
-
-REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]
 
 
 def quantities(channels):
@@ -28,10 +25,9 @@ def quantities(channels):
 
 def test_tables_of_many_and_of_wide_channels():
     parts = [Channels([f"channel {i}{j}" for i in range(3)], quantities(3)) for j in range(2)]
-    shown = render(First("file", answer=parts, remarks=REMARKS))
-    assert [line.split()[1] for line in shown.splitlines() if line.startswith("channel ")] == [
-        "N0", "00", "10", "20", "N0", "01", "11", "21",
-    ]  # fmt: skip
+    shown = render(First("file", answer=parts, remarks=[Remark.of("", f"remark {i}") for i in range(9)]))
+    begun = [line.split()[1] for line in shown.splitlines() if line.startswith("channel ")]
+    assert begun == ["N0", "00", "10", "20", "N0", "01", "11", "21"]
     assert "more line" not in shown
     assert "< 2" not in shown
     assert shown.count("remark ") > 2
@@ -47,6 +43,11 @@ def test_tables_of_many_and_of_wide_channels():
     lines = render(First("file", answer=[Channels([f"c{i}" for i in range(40)], quantities(40))])).splitlines()
     (more,) = [line for line in lines if "more line" in line]
     assert sum(line.startswith("c") for line in lines) - 1 + int(more.split()[1]) == 40
+    # titles give way before a channel does
+    cell = "0.2895 -> 0.2990  no change (+1.3 %)"
+    rows = [ChannelRow("white noise of the angle", "N", "arcsec*sqrt(s)", [cell] * 2)]
+    shown = render(First("file", answer=[Channels(["angle x", "angle y"], rows, "measured angle")]))
+    assert shown.count(cell) == 2
     # channels whose cells are wide stand below each other
     cells = [f"{i} -> {i}.5  no change (-0.57 %), of two units" for i in range(2)]
     answer = Channels(["gx", "gy"], [ChannelRow("quantity", symbol, "deg/h", cells) for symbol in "NBK"])
@@ -66,10 +67,9 @@ def test_remarks_of_one_kind_share_a_line():
     grades = [Note(f"p = 0.{i}", "alert") for i in range(3)]
     sheets = [Sheet(name, (), (note, Note("short", "warning"))) for name, note in zip("abc", grades, strict=True)]
     first = condensed(Face("title", "brand", [*sheets, Sheet("d", (), (Note("as of d", "warning"),))]))
-    assert [(r.about, r.clauses[0], r.grave) for r in first.remarks] == [
-        *((name, note.text, True) for name, note in zip("abc", grades, strict=True)),
-        ("a, b, c", "short", False), ("d", "as of d", False),
-    ]  # fmt: skip
+    grave = [(name, note.text, True) for name, note in zip("abc", grades, strict=True)]
+    told = [(r.about, r.clauses[0], r.grave) for r in first.remarks]
+    assert told == [*grave, ("a, b, c", "short", False), ("d", "as of d", False)]
 
 
 def made(rng):
@@ -81,10 +81,8 @@ def made(rng):
 
     def section(i, heads, wide):
         said = [sentence() for _ in range(rng.integers(0, 3))] if rng.random() < 0.4 else []
-        table = Table(
-            [Column(f"{heads}{j}") for j in range(wide)],
-            [[next(tokens) for _ in range(wide)] for _ in range(rng.integers(1, 13))],
-        )
+        cells = [[next(tokens) for _ in range(wide)] for _ in range(rng.integers(1, 13))]
+        table = Table([Column(f"{heads}{j}") for j in range(wide)], cells)
         return Section(f"channel{i}", said, [table] if rng.random() < 0.9 or not said else [])
 
     wide = int(rng.integers(1, 7))
@@ -105,18 +103,11 @@ def test_nothing_is_lost_in_silence_whatever_the_rows_and_the_room():
         lines = shown.splitlines()
         assert 0 < len(lines) <= LINES
         assert max(map(len, lines)) <= width
-        lost = [
-            row
-            for section in first.answer
-            for table in section.tables
-            for row in table.rows
-            if not re.search(rf"\b{row[0]}\b", shown)
-        ]
-        counted = re.search(r"and (\d+) more lines?", shown)
-        assert len(lost) <= (int(counted[1]) if counted else 0), seed
+        rows = [row for section in first.answer for table in section.tables for row in table.rows]
+        counted, more = (re.search(rf"and (\d+) more {what}|$", shown)[1] for what in ("lines?", "notes?: "))
+        assert sum(not re.search(rf"\b{row[0]}\b", shown) for row in rows) <= int(counted or 0), seed
         told = sum(f"{remark.about}: " in shown for remark in first.remarks)
-        more = re.search(r"and (\d+) more notes?: ", shown)
-        assert told + (int(more[1]) if more else 0) == len(first.remarks), seed
+        assert told + int(more or 0) == len(first.remarks), seed
         assert "…." not in shown
 
 
@@ -141,25 +132,12 @@ def test_a_remark_is_cut_behind_clauses_only(command):
         assert command or text == whole or text.endswith(".")
 
 
-JOBS = {
-    "plan": PlanSettings(),
-    "statespace": StateSpaceSettings(),
-    "selfcheck": SelfCheckSettings(records=2, samples=500),
-}
-
-
-@pytest.fixture(scope="module")
-def one_channel():
-    """The result of each job for one channel."""
+@rows("settings", [PlanSettings(), StateSpaceSettings(), SelfCheckSettings(records=2, samples=500)])
+def test_recordings_of_many_channels_have_a_first_screen(settings):
     record = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 30 deg/h/sqrt(h)"), 4000, 20.0, rng=np.random.default_rng(2))
-    return {verb: run_model_job(al.Recording((record,)), settings, Recipe()) for verb, settings in JOBS.items()}
-
-
-@rows("count", [6, 7, 12, 24])
-def test_recordings_of_many_channels_have_a_first_screen(one_channel, count):
-    for found in one_channel.values():
-        shown = first_screen(replace(found, channels=found.channels * count))
-        assert len(shown.splitlines()) <= LINES
+    alone = run_model_job(al.Recording((record,)), settings, al.Recipe())
+    for count in (6, 7, 12, 24):
+        assert len(first_screen(replace(alone, channels=alone.channels * count)).splitlines()) <= LINES
 
 
 @rows("unit, factor", [("deg/s", 3600 * 180 / np.pi), ("m/s^2", 1e6 / 9.80665)])
@@ -185,10 +163,3 @@ def test_a_gap_is_no_cause_of_a_misfit(name, blamed):
     channel = SimpleNamespace(record=SimpleNamespace(name="gx"), refusal="", noise=noise, quality=quality)
     (remark,) = doubts([channel])
     assert str(remark.clauses[0]) == ("the finding" if blamed else "the reason of the fit")
-
-
-def test_titles_give_way_before_a_channel_does():
-    cell = "0.2895 -> 0.2990  no change (+1.3 %)"
-    rows = [ChannelRow("white noise of the angle", "N", "arcsec*sqrt(s)", [cell] * 2)]
-    shown = render(First("file", answer=[Channels(["angle x", "angle y"], rows, "measured angle")]))
-    assert shown.count(cell) == 2

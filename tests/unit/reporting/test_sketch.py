@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextToPath
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
 from tests import examples
 from tests.rows import rows
@@ -39,22 +41,15 @@ def chart(width=5.0, height=3.0):
     return Chart(width, height, "#1a1a1a", "#555b63")
 
 
-def texts(made):
-    """The words of a figure."""
-    return [text.text for text in ElementTree.fromstring(made.svg()).iter(f"{SVG}text")]
-
-
 def places(svg):
     """Level lines of words with their left, top, right and bottom, by the widths of their letters."""
     for text in ElementTree.fromstring(svg).iter(f"{SVG}text"):
         if text.get("transform") is None:
             look = text.get("style")
             size = float(re.search(r"([\d.]+)px", look)[1])
-            width = size * wide(text.text, bold="bold" in look)
-            left = float(text.get("x")) - width * {"middle": 0.5, "end": 1.0}.get(
-                (re.findall(r"text-anchor: (\w+)", look) or [""])[0], 0.0
-            )
-            foot = float(text.get("y"))
+            width, foot = size * wide(text.text, bold="bold" in look), float(text.get("y"))
+            anchor = re.search(r"text-anchor: (\w+)|$", look)[1]
+            left = float(text.get("x")) - width * {"middle": 0.5, "end": 1.0}.get(anchor, 0.0)
             yield text.text, (left, foot - 0.7 * size, left + width, foot)
 
 
@@ -70,10 +65,14 @@ def overlapping(svg):
 def drawings(parts):
     """The figures of a page, in its folds too."""
     for part in parts:
-        if isinstance(part, Fold):
-            yield from drawings(part.parts)
-        elif isinstance(part, Drawing):
-            yield part
+        yield from drawings(part.parts) if isinstance(part, Fold) else [part] if isinstance(part, Drawing) else []
+
+
+@pytest.fixture(scope="module")
+def figures(study):
+    """The figures of the page of an analysis."""
+    face = view_of(study).face(study, 0.95)
+    return list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))
 
 
 @pytest.fixture(scope="module")
@@ -86,17 +85,10 @@ def study():
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_every_figure_of_an_analysis_is_sketched_and_no_words_lie_on_others(study):
-    face = view_of(study).face(study, 0.95)
-    found = list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))
-    assert len(found) > 15
-    for drawing in found:
-        made = drawing.draw().sketched()
-        assert isinstance(made, Chart)
-        ElementTree.fromstring(made.svg())
-    # no words of an analysis lie on others
-    face = view_of(study).face(study, 0.95)
-    for drawing in drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]):
+def test_every_figure_of_an_analysis_is_sketched_and_no_words_lie_on_others(figures):
+    assert len(figures) > 15
+    for drawing in figures:
+        assert isinstance(drawing.draw().sketched(), Chart)
         assert not overlapping(drawn(drawing).text)
 
 
@@ -151,7 +143,7 @@ def test_ratios_have_an_axis_about_one_and_few_of_them_beyond_it_an_arrow(far, e
 
 
 def test_error_bars_reach_as_far_as_those_of_matplotlib():
-    x, y, error = np.array([1.0, 2.0, 4.0]), np.array([3.0, 5.0, 4.0]), np.array([[1.0, 0.5, 2.0], [2.0, 0.1, 1.0]])
+    x, y, error = np.array([1.0, 2.0, 4.0]), np.array([3.0, 5.0, 4.0]), [[1.0, 0.5, 2.0], [2.0, 0.1, 1.0]]
     look = {"fmt": "o", "ms": 3.6, "mew": 0, "color": BLUE, "elinewidth": 1.0, "capsize": 2.0, "label": "ratio"}
     made = chart()
     panel, axes = made.subplots(), Figure().subplots()
@@ -167,10 +159,8 @@ def test_error_bars_reach_as_far_as_those_of_matplotlib():
     assert made.svg().count("<path") > 4
 
 
-def test_names_of_the_user_are_no_formulas_and_no_markup(study):
-    face = view_of(study).face(study, 0.95)
-    found = [drawn(drawing).text for drawing in drawings(part for sheet in face.sheets for part in sheet.parts)]
-    assert any("g0 $x_{&lt;&amp;" in text for text in found)
+def test_names_of_the_user_are_no_formulas_and_no_markup(figures):
+    assert any("g0 $x_{&lt;&amp;" in drawn(drawing).text for drawing in figures)
 
 
 def test_what_only_matplotlib_draws_is_left_to_it():
@@ -198,6 +188,13 @@ def test_what_is_not_known_is_refused(ask):
         ask(panel)
 
 
+def side_of(scale, *limits, across=True):
+    """An axis of a chart."""
+    side = Side(across=across)
+    side.scale, side.limits = scale, limits
+    return side
+
+
 EDGES = st.floats(-250, 250).map(lambda x: 10.0**x)
 
 
@@ -205,9 +202,7 @@ EDGES = st.floats(-250, 250).map(lambda x: 10.0**x)
 @settings(deadline=None, max_examples=examples(60))
 @given(ends=st.lists(EDGES, min_size=2, max_size=2, unique=True), log=st.booleans(), across=st.booleans())
 def test_ticks_are_within_the_view_and_named(ends, log, across):
-    side = Side(across=across)
-    side.scale = "log" if log else "linear"
-    side.limits = (min(ends), max(ends))
+    side = side_of("log" if log else "linear", min(ends), max(ends), across=across)
     found = side.ticks(300.0, 9.0)
     places = [*found.major, *found.minor]
     assert all(-1e-9 <= share <= 1 + 1e-9 for share in side.share(places))
@@ -223,8 +218,7 @@ def test_ticks_are_those_of_matplotlib(scale, low, high):
     axes = figure.subplots()
     axes.set(xscale=scale, xlim=(low, high))
     length = axes.bbox.width * 72 / figure.dpi
-    side = Side(across=True)
-    side.scale, side.limits = scale, (low, high)
+    side = side_of(scale, low, high)
     first, last = low * (1 - 1e-9), high * (1 + 1e-9)
     expected = [at for at in axes.get_xticks() if first <= at <= last]
     assert side.ticks(length, 10.0).major == pytest.approx(expected)
@@ -249,10 +243,7 @@ def test_points_are_where_matplotlib_has_them(scale):
 
 
 @settings(deadline=None, max_examples=examples(40))
-@given(
-    st.lists(st.one_of(st.floats(allow_nan=True, allow_infinity=True)), min_size=0, max_size=30),
-    st.sampled_from(["linear", "log"]),
-)
+@given(st.lists(st.floats(), max_size=30), st.sampled_from(["linear", "log"]))
 @example([2.790249414259265e283, 1.837351888371521e-213], "log")
 def test_any_values_make_a_figure(values, scale):
     made = chart()
@@ -263,9 +254,7 @@ def test_any_values_make_a_figure(values, scale):
     panel.fill_between(x, values, 0.0, color=BLUE, alpha=0.2)
     with np.errstate(all="ignore"):
         root = ElementTree.fromstring(made.svg())
-    assert not re.search(
-        r"nan|inf\b", ElementTree.tostring(root, encoding="unicode").split("</svg>")[0].replace("infinity", "")
-    )
+    assert not re.search(r"nan|inf\b", ElementTree.tostring(root, encoding="unicode"))
 
 
 @settings(deadline=None, max_examples=examples(40))
@@ -278,9 +267,8 @@ def test_panels_do_not_overlap_and_are_on_the_page(width, height, rows, columns)
         panel.set(xlabel="time (s)", ylabel="rate (deg/h)")
         panel.set_title("name", loc="left")
     root = ElementTree.fromstring(made.svg())
-    boxes = [
-        [float(r.get(k)) for k in ("x", "y", "width", "height")] for r in root.iter(f"{SVG}rect") if r.get("style")
-    ]
+    framed = [rect for rect in root.iter(f"{SVG}rect") if rect.get("style")]
+    boxes = [[float(rect.get(key)) for key in ("x", "y", "width", "height")] for rect in framed]
     assert len(boxes) == rows * columns
     if width >= 2.5 * columns and height >= 2.0 * rows:
         assert all(x >= 0 and y >= 0 and x + w <= made.width and y + h <= made.height for x, y, w, h in boxes)
@@ -293,21 +281,15 @@ def test_ticks_read_as_those_of_matplotlib():
     panel = made.subplots()
     panel.set(xscale="log", xlim=(1e-6, 10.0), ylim=(-0.5, 0.5))
     style.plain_ticks(panel.xaxis)
-    found = texts(made)
-    assert {"10⁻⁵", "0.001", "10"} <= set(found)
-    assert "−0.4" in found
+    words = {text.text for text in ElementTree.fromstring(made.svg()).iter(f"{SVG}text")}
+    assert {"10⁻⁵", "0.001", "10", "−0.4"} <= words
     # letters are as wide as matplotlib has them
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import TextToPath
-
+    font = FontProperties(family="DejaVu Sans", size=9)
     for text in ("averaging time τ (s)", "N = 0.31 deg/√h", "скорость"):
-        width, *_ = TextToPath().get_text_width_height_descent(
-            text, FontProperties(family="DejaVu Sans", size=9), False
-        )
+        width, *_ = TextToPath().get_text_width_height_descent(text, font, False)
         assert 9 * wide(text) == pytest.approx(width, rel=0.05)
     # a formatter and a locator of the figures are taken
-    side = Side(across=False)
-    side.scale, side.limits = "log", (0.1, 100.0)
+    side = side_of("log", 0.1, 100.0, across=False)
     side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     side.set_major_formatter(FuncFormatter(lambda v, _: f"<{v:g}>"))
     assert "<5>" in side.ticks(200.0, 9.0).labels

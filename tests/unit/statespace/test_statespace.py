@@ -9,24 +9,23 @@ from tests.rows import paired, refused, rows
 import allanite as al
 from allanite.statespace.build import flicker_sum, joined
 from allanite.terms.markov import markov_block
-from allanite.terms.powers import angle_noise, integrators
+from allanite.terms.powers import integrators
 from allanite.terms.waveforms import oscillator
 
+WALK = integrators(("bias",), 0.5, density=0.09)
 BLOCKS = {
-    "slow": markov_block(2.0, 1e4, 0.01), "near": markov_block(2.0, 0.05, 0.01),
-    "fast": markov_block(2.0, 0.003, 0.01), "walk": integrators(("bias",), 0.5, density=0.09, start=1.0),
-    "ramp": joined(
-        [integrators(("bias",), 0.5, density=0.09), integrators(("bias", "ramp"), 0.5, density=0.04, start=0.2)]
-    ),
-    "sine": oscillator(2.0, 0.7, 0.3),
+    "slow": (0.01, markov_block(2.0, 1e4, 0.01)), "near": (0.01, markov_block(2.0, 0.05, 0.01)),
+    "fast": (0.01, markov_block(2.0, 0.003, 0.01)), "sine": (0.3, oscillator(2.0, 0.7, 0.3)),
+    "walk": (0.5, integrators(("bias",), 0.5, density=0.09, start=1.0)),
+    "ramp": (0.5, joined([WALK, integrators(("bias", "ramp"), 0.5, density=0.04, start=0.2)])),
 }  # fmt: skip
-STEP = {"walk": 0.5, "ramp": 0.5, "sine": 0.3}
+"""The step, s, and what is discretised."""
 
 
 @rows("name", list(BLOCKS))
 def test_the_discretisation_is_that_of_numerical_integration(name):
     """Gauss-Legendre over the interval of what an impulse of noise leaves in the states and in the mean."""
-    block, h = BLOCKS[name], STEP.get(name, 0.01)
+    h, block = BLOCKS[name]
     np.testing.assert_allclose(block.Phi, expm(block.F * h), rtol=1e-12, atol=1e-15)
     x, w = np.polynomial.legendre.leggauss(24)
     at, weight = (x + 1) / 2 * h, w / 2 * h
@@ -36,18 +35,9 @@ def test_the_discretisation_is_that_of_numerical_integration(name):
         return sum(v * expm(block.F * u)[0] for u, v in zip(at * s / h, weight * s / h, strict=True)) / h
 
     np.testing.assert_allclose(block.mean, mean_after(h), rtol=1e-10, atol=1e-15)
-    total = np.zeros_like(block.Q)
-    for s, v in zip(at, weight, strict=True):
-        G = np.vstack([expm(block.F * s), mean_after(s)])
-        total += v * G @ block.Qc @ G.T
+    G = [np.vstack([expm(block.F * s), mean_after(s)]) for s in at]
+    total = sum(v * g @ block.Qc @ g.T for g, v in zip(G, weight, strict=True))
     np.testing.assert_allclose(block.Q, total, rtol=1e-9, atol=1e-14 * max(np.abs(total).max(), 1e-30))
-
-
-def test_noise_of_the_angle_is_a_difference():
-    """e and (e' - e) / h, e of variance Q^2."""
-    block = angle_noise(2.0, 0.5)
-    np.testing.assert_allclose(block.Q, [[4.0, 8.0], [8.0, 16.0]])
-    assert block.mean.tolist() == [-2.0]
 
 
 EXACT = {
@@ -71,12 +61,8 @@ def test_the_allan_variance_of_the_matrices_is_that_of_the_model(name, rate):
 
 def simulated(space, n, rng):
     """The recursion itself."""
-
-    def draw(C, count):
-        values, vectors = np.linalg.eigh(C)
-        return rng.standard_normal((count, len(C))) @ (vectors * np.sqrt(np.maximum(values, 0))).T
-
-    x, w = draw(space.P0, 1)[0], draw(space.Qd, n)
+    (x,), w = (rng.multivariate_normal(np.zeros(len(C)), C, count, "ignore", method="eigh")
+               for C, count in ((space.P0, 1), (space.Qd, n)))  # fmt: skip
     y = np.empty(n)
     for k in range(n):
         x = space.Phi @ x + w[k]
@@ -84,38 +70,33 @@ def simulated(space, n, rng):
     return y + np.sqrt(space.R[0, 0]) * rng.standard_normal(n)
 
 
-@rows("measurement", ["mean", "sample"])
-def test_the_recursion_has_the_curve_of_the_matrices(measurement):
+@rows("measurement, text", [("mean", "Q 0.4 rad, "), ("sample", "")])
+def test_the_recursion_has_the_curve_of_the_matrices(measurement, text):
     """12 records of 4096 steps; every octave within 5 standard errors of the mean: one failure in 1e5."""
-    model = al.Model("N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
-    if measurement == "mean":
-        model = model + al.Q(0.4, "rad")
+    model = al.Model(text + "N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
     space = al.state_space(model, 2.0, tau=(1.0, 200.0), measurement=measurement)
     rng = np.random.default_rng(1)
     records = [al.Record(simulated(space, 4096, rng), 2.0, "rad/s") for _ in range(12)]
     curves = [al.deviation(record, "oadev", noise=model) for record in records]
     keep = curves[0].tau <= 200
     mean = np.mean([c.variance for c in curves], axis=0)[keep]
-    error = np.sqrt(2 / curves[0].edf / len(records))[keep]
-    assert np.all(np.abs(mean / space.allan(curves[0].m[keep]) - 1) < 5 * error)
-    exact = al.expected(model, "oadev", curves[0].tau[keep])
+    error, wanted = np.sqrt(2 / curves[0].edf / len(records))[keep], space.allan(curves[0].m[keep])
+    assert np.all(np.abs(mean / wanted - 1) < 5 * error)
     if measurement == "mean":
-        np.testing.assert_allclose(space.allan(curves[0].m[keep]), exact, rtol=0.05)
+        np.testing.assert_allclose(wanted, al.expected(model, "oadev", curves[0].tau[keep]), rtol=0.05)
 
 
-@rows("symbols", ["NK", "QNK", "NKG"])
-def test_a_filter_with_these_matrices_is_consistent(symbols):
+@rows("text", ["N 1 rad/sqrt(s), ", "Q 0.3 rad, N 1 rad/sqrt(s), ", "GM 1 rad/s 5 s, N 1 rad/sqrt(s), "])
+def test_a_filter_with_these_matrices_is_consistent(text):
     """Normalised innovations of exact records are white with variance 1: within 5 standard errors."""
-    terms = {"Q": "Q 0.3 rad", "N": "N 1 rad/sqrt(s)", "K": "K 0.1 rad/s^1.5", "G": "GM 1 rad/s 5 s"}
-    model = al.Model(", ".join(terms[s] for s in symbols))
+    model = al.Model(text + "K 0.1 rad/s^1.5")
     space = al.state_space(model, 4.0, turn_on=10.0, measurement="mean")
     record = al.simulate(model, 6000, 4.0, rng=np.random.default_rng(1))
     x, P, innovations = np.zeros(len(space.Phi)), space.P0, []
     for y in record.values:
         x, P = space.Phi @ x, space.Phi @ P @ space.Phi.T + space.Qd
         S = space.H @ P @ space.H.T + space.R
-        gain = (P @ space.H.T / S)[:, 0]
-        innovation = y - space.H[0] @ x
+        gain, innovation = (P @ space.H.T / S)[:, 0], y - space.H[0] @ x
         innovations.append(innovation / np.sqrt(S[0, 0]))
         x, P = x + gain * innovation, P - np.outer(gain, space.H[0] @ P)
     z = np.array(innovations[100:])
@@ -124,14 +105,14 @@ def test_a_filter_with_these_matrices_is_consistent(symbols):
         assert abs(np.mean(z[lag:] * z[:-lag])) < 5 / np.sqrt(z.size)
 
 
-@rows(("tau", "ripple"), [((1.0, 1000.0), 0.02), ((0.1, 1e4), 0.005), ((3.0, 8.0), 0.02)])
+@rows("tau, ripple", [((1.0, 1000.0), 0.02), ((0.1, 1e4), 0.005), ((3.0, 8.0), 0.02)])
 def test_the_sum_is_flicker_in_its_range(tau, ripple):
     """By the exact expectation of the terms, on a grid of its own."""
     found = flicker_sum(tau, ripple=ripple)
     pairs = zip(found.sizes, found.time_constants, strict=True)
-    terms = tuple(al.GM(size, "1", time_constant=T) for size, T in pairs if size > 0)
+    model = al.Model(tuple(al.GM(size, "1", time_constant=T) for size, T in pairs if size > 0))
     at = np.geomspace(*tau, 97)
-    ratio = np.sqrt(al.expected(al.Model(terms), "oadev", at) / al.expected(al.B(1.0, "1"), "oadev", at)) - 1
+    ratio = np.sqrt(al.expected(model, "oadev", at) / al.expected(al.B(1.0, "1"), "oadev", at)) - 1
     assert np.abs(ratio).max() <= 1.01 * found.ripple <= 1.01 * ripple
     assert ratio.max() > 0.8 * found.ripple
     assert ratio.min() < -0.8 * found.ripple
@@ -149,10 +130,10 @@ def test_the_deviation_from_the_model_is_told():
     assert ((space.units[1], space.units[6]), space.F.shape, len(space.notes)) == (("rad/s^2", "rad"), (6, 6), 4)
 
 
-def test_the_simpler_measurement_is_taken_where_it_does():
-    slow = al.Model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
-    fast = al.Model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
-    assert (al.state_space(slow, 100.0).measurement, al.state_space(fast, 100.0).measurement) == ("sample", "mean")
+@rows("text, measurement", [("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s", "sample"),
+                            ("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s", "mean")])  # fmt: skip
+def test_the_simpler_measurement_is_taken_where_it_does(text, measurement):
+    assert al.state_space(al.Model(text), 100.0).measurement == measurement
 
 
 @rows("text, options, words", [
@@ -176,9 +157,9 @@ def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
     block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  Phi is the transition")]
     exec("\n".join(line[2:] if line[2] != " " else line for line in block.splitlines()), {}, pasted)  # noqa: S102
     space = al.state_space(al.sensor("mems"), 50.0, turn_on=30 * np.pi / 180 / 3600)
+    assert set(pasted) == {"Phi", "Qd", "H", "R", "P0"}
     for name, matrix in pasted.items():
         np.testing.assert_array_equal(np.array(matrix, dtype=float), getattr(space, name))
-    assert set(pasted) == {"Phi", "Qd", "H", "R", "P0"}
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 

@@ -23,15 +23,13 @@ WEIGHTS = (0.5, 0.3, 0.2)
 NOISE = averaged(MODELS, np.array(WEIGHTS) ** (1 / FLATTENED))
 """The models that have these weights when they are flattened."""
 
-FACTORS = (4, 32, 128, 256)
-
 
 def simulated(model, n, seed=1):
     return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed))
 
 
 def points(statistic):
-    return CurvePoints.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0)
+    return CurvePoints.of(statistic, np.array([4, 32, 128, 256]), [(1024, 1)], 1024, 1.0)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -49,32 +47,29 @@ def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
 
     for level in (0.68, 0.95):
         edf, low, high = law(level)
-        for i in range(len(FACTORS)):
-            wanted = [
-                brentq(lambda y, q=q, i=i: below(y, i) - q, np.log(low[i] / 9), np.log(9 * high[i]))
-                for q in ((1 - level) / 2, (1 + level) / 2)
-            ]
-            np.testing.assert_allclose(np.log([low[i], high[i]]), wanted, atol=0.02)
+        for i in range(at.m.size):
+            for limit, q in ((low[i], (1 - level) / 2), (high[i], (1 + level) / 2)):
+                wanted = brentq(lambda y, q=q, i=i: below(y, i) - q, np.log(low[i] / 9), np.log(9 * high[i]))
+                assert np.log(limit) == pytest.approx(wanted, abs=0.02)
         each = np.array([mixtures(at, [model])[0] for model in MODELS])
         np.testing.assert_allclose(edf, 1 / (np.array(WEIGHTS) @ (1 / each)), rtol=1e-9)
 
 
 def test_a_bias_that_is_not_known_widens_the_limits_with_the_scatter():
-    at, noise = points("theo1"), NOISE
-    plain = AveragedLaw(at, noise, np.ones((3, 4)))
-    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
-    law = AveragedLaw(at, noise, factors)
-    p = np.array([0.025, 0.5, 0.975])
-    low, middle, high = np.log(law.quantiles(p))
-    scatter = np.log(plain.quantiles(p))
+    factors, p = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]]), [0.025, 0.5, 0.975]
+
+    def logs(factors):
+        return np.log(AveragedLaw(points("theo1"), NOISE, factors).quantiles(np.array(p)))
+
+    low, middle, high = logs(factors)
+    scatter = logs(np.ones((3, 4)))
     # half of the weight below, and a quarter: the first model has half, and its middle lies there
     quarter, half = np.log(factors[0]), np.log(factors[0]) + 0.625 * np.log(factors[1] / factors[0])
     np.testing.assert_allclose(middle, scatter[1] + half, rtol=1e-9)
     a, b = scatter[0] - scatter[1], quarter - half
     np.testing.assert_allclose(middle - low, np.sqrt(a**2 + b**2 + 2 * TOGETHER * a * b), rtol=1e-9)
     assert (high - low > scatter[2] - scatter[0]).all()
-    one = AveragedLaw(at, noise, np.full((3, 4), 1.7))
-    np.testing.assert_allclose(one.quantiles(p), 1.7 * plain.quantiles(p), rtol=1e-9)
+    np.testing.assert_allclose(np.exp(logs(np.full((3, 4), 1.7))), 1.7 * np.exp(scatter), rtol=1e-9)
 
 
 @rows("statistic", ["oadev", "mdev", "totdev", "theo1"])
@@ -101,19 +96,6 @@ def test_a_table_of_a_law_is_its_quantiles():
             assert quantiles(one, float(ndtr(z[i, k])))[0] == pytest.approx(x[i, k], rel=2e-4)
 
 
-def test_spectra_of_neighbours_are_their_own():
-    rng = np.random.default_rng(2)
-    t = np.sort(rng.uniform(0, 1, 60))
-    forms = np.array([np.exp(-np.abs(np.subtract.outer(t, t)) * s) for s in (300.0, 20.0, 1.0)])
-    powers = np.array([[1.0, 0.3 * r, 0.1 * r**2] for r in np.linspace(0, 2, 9)])
-    for leading, squares, form in zip(
-        *spectra(reduced(forms), powers, 3), np.tensordot(powers, forms, axes=1), strict=True
-    ):
-        values = np.linalg.eigvalsh(form)[::-1] / np.trace(form)
-        np.testing.assert_allclose(leading, values[:3], rtol=0.03)  # where nothing leads, the first are alike
-        assert squares == pytest.approx(values @ values)
-
-
 def test_models_that_are_averaged_are_data():
     both = averaged(MODELS, (5, 3, 2))
     np.testing.assert_allclose([weight for _, weight in both], WEIGHTS)
@@ -136,21 +118,18 @@ def test_what_was_not_selected_or_is_low_by_chance_is_in_the_limits():
     fit = al.identify(record)
     assert [t.symbol for t in fit.model] == ["N"]
     assert {t.symbol for t in fit.averaged.terms} >= {"N", "K"}
-    m = [400]
-    alone = al.deviation(record, m=m, noise=fit.model).interval()[1]
-    assert al.deviation(record, m=m, noise=fit).interval()[1] > 1.3 * alone
-    assert al.deviation(record, m=m, noise=fit).noise == fit.model
+    alone, of_fit = (al.deviation(record, m=[400], noise=noise) for noise in (fit.model, fit))
+    assert of_fit.interval()[1] > 1.3 * alone.interval()[1]
+    assert of_fit.noise == fit.model
 
 
 def test_a_hybrid_takes_its_bias_from_a_model_that_is_given():
     record = simulated(QUIET, 1024)
-    plain = al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="plain")
-    given = al.deviation(record, "theoh", m=[4, 500], noise=QUIET)
-    np.testing.assert_array_equal(plain.variance, al.deviation(record, "theoh", m=[4, 500]).variance)
-    np.testing.assert_array_equal(
-        given.variance, al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="model").variance
-    )
-    assert given.variance[1] != plain.variance[1]
+    plain, auto, given, model = (al.deviation(record, "theoh", m=[4, 500], **options).variance for options in (
+        {"noise": QUIET, "bias": "plain"}, {}, {"noise": QUIET}, {"noise": QUIET, "bias": "model"}))  # fmt: skip
+    np.testing.assert_array_equal(plain, auto)
+    np.testing.assert_array_equal(given, model)
+    assert given[1] != plain[1]
 
 
 BETWEEN = {
@@ -174,15 +153,6 @@ def test_limits_between_the_nodes_of_a_curve_are_those_at_the_points(statistic, 
     for level in (0.68, 0.95, 0.997):
         for found, wanted in zip(sparse(level)[1:], exact(level)[1:], strict=True):
             np.testing.assert_allclose(np.sqrt(found), np.sqrt(wanted), rtol=0.002)
-
-
-def test_limits_of_every_averaging_time_are_those_at_the_points():
-    record = simulated(QUIET, 700)
-    whole = al.deviation(record, "totdev", taus="all", noise=QUIET)
-    some = np.array([0, 40, 111, 112, 113, 200, 345, 500, 601, 650, 690, 697])
-    few = al.deviation(record, "totdev", m=whole.m[some].tolist(), noise=QUIET)
-    for found, wanted in zip(whole.interval(), few.interval(), strict=True):
-        np.testing.assert_allclose(found[some], wanted, rtol=0.01)
 
 
 @rows(("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)])

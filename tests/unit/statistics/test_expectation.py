@@ -11,8 +11,9 @@ from allanite.statistics import expectation
 FIVE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
 
 
-def texts(figure):
-    return "\n".join(text.get_text() for ax in figure.axes for text in ax.texts)
+def texts(shown):
+    figure = al.plot(shown)
+    return "\n".join(text.get_text() for ax in figure.axes for text in ax.texts), figure
 
 
 def test_curves_are_the_expectation_and_its_terms_add_up():
@@ -27,8 +28,7 @@ def test_curves_are_the_expectation_and_its_terms_add_up():
 
 
 def test_the_figure_of_five_slopes():
-    figure = al.plot(al.Model(FIVE))
-    said = texts(figure)
+    said, figure = texts(al.Model(FIVE))
     for label in ("Q = 0.5 arcsec", "N = 0.02 °/√h", "B = 0.3 °/h", "K = 1 °/h/√h", "R = 5 °/h²"):
         assert label in said
     assert {line.rpartition(" ")[2] for line in said.splitlines() if "slope" in line} == {"−1", "−½", "0", "+½", "+1"}
@@ -39,18 +39,16 @@ def test_the_figure_of_five_slopes():
 
 
 def test_what_figures_of_models_say():
-    said = texts(al.plot(expectation(al.Q(0.5, "arcsec"), ["mdev"], rate=100.0, size=100_000)))
-    assert "slope −1½" in said
-    figure = al.plot(al.Model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
-    said = texts(figure)
-    assert "GM = 0.1 °/h, T = 20 s\nGM = 0.3 °/h, T = 500 s" in said
-    assert "Sine = 1 °/h, f = 3 Hz" in said
-    assert "N = 0.1 °/√h" in texts(al.plot(al.N(0.1, "deg/sqrt(h)")))
-    assert (
-        len(al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")]).axes) == 2
-    )
-    curve = expectation(al.N(0.1, "deg/sqrt(h)")).curves[0]
-    assert figures.facts_of(curve) == ""
+    shaped = al.Model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz")
+    for shown, words in (
+        (expectation(al.Q(0.5, "arcsec"), ["mdev"], rate=100.0, size=100_000), "slope −1½"),
+        (shaped, "GM = 0.1 °/h, T = 20 s\nGM = 0.3 °/h, T = 500 s"), (shaped, "Sine = 1 °/h, f = 3 Hz"),
+        (al.N(0.1, "deg/sqrt(h)"), "N = 0.1 °/√h"),
+    ):  # fmt: skip
+        assert words in texts(shown)[0]
+    both = al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")])
+    assert len(both.axes) == 2
+    assert figures.facts_of(expectation(al.N(0.1, "deg/sqrt(h)")).curves[0]) == ""
 
 
 @rows("arguments, words", [

@@ -10,6 +10,7 @@ from tests.rows import paired, refused, rows
 import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
 from allanite.statistics.moments.lagsums import FAR_LAG
+from allanite.terms import TERMS as TABLE
 
 TERMS = {"Q": al.Q(0.3, "arcsec"), "N": al.N(1e-3, "deg/sqrt(h)"), "B": al.B(0.02, "deg/h"),
          "K": al.K(0.05, "deg/h/sqrt(h)"), "R": al.R(0.1, "deg/h^2")}  # fmt: skip
@@ -18,11 +19,6 @@ MIXTURES = ["Q", "N", "B", "K", "QN", "NB", "QK", "QB", "QNBK", "QNBKR"]
 
 def covariance(symbols, n, rate=400.0):
     return Covariance(tuple(TERMS[s] for s in symbols), n, rate)
-
-
-def projected(C):
-    P = np.eye(len(C)) - 1 / len(C)
-    return P @ C @ P
 
 
 def test_white_and_angle_noise_are_three_numbers_and_nothing_is_refused():
@@ -35,14 +31,11 @@ def test_white_and_angle_noise_are_three_numbers_and_nothing_is_refused():
 @rows("symbols", ["B", "K", "QNBK"])
 def test_the_covariance_is_that_of_the_increments(symbols):
     """Second differences of c are the covariance of first differences of the rate, near and far."""
-    from allanite.terms import TERMS as TABLE
-
     n = 200
     c = autocovariance([TERMS[s] for s in symbols], n, 1.0)
     h = np.arange(1, n - 1)
-    found = 2 * c[h] - c[h - 1] - c[h + 1]
     wanted = sum(TERMS[s].value ** 2 * TABLE[s].increments(h.astype(float)) for s in symbols)
-    np.testing.assert_allclose(found, wanted, atol=2e-11 * np.abs(c).max())
+    np.testing.assert_allclose(2 * c[h] - c[h - 1] - c[h + 1], wanted, atol=2e-11 * np.abs(c).max())
     assert n > FAR_LAG
 
 
@@ -52,7 +45,8 @@ def test_solve_is_the_dense_solution(symbols, n):
     b = np.random.default_rng(1).standard_normal(n)
     v = given.solve(b)
     assert abs(v.sum()) < 1e-9 * np.abs(v).sum()
-    wanted = np.linalg.pinv(projected(toeplitz(given.first_row)), rcond=1e-13, hermitian=True) @ (b - b.mean())
+    P = np.eye(n) - 1 / n
+    wanted = np.linalg.pinv(P @ toeplitz(given.first_row) @ P, rcond=1e-13, hermitian=True) @ (b - b.mean())
     np.testing.assert_allclose(v, wanted, atol=1e-7 * np.abs(wanted).max())
 
 

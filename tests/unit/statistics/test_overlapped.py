@@ -7,25 +7,23 @@ from tests.rows import paired, rows
 from allanite.kernels.squared import BLOCK, ROWS, TILE, add_overlapped, overlapped
 
 
-def literal(x: np.ndarray, m: int, order: int) -> float:
-    difference = x
+def literal(x, m, order):
     for _ in range(order):
-        difference = difference[m:] - difference[:-m]
-    return float(np.sum(difference**2))
+        x = x[m:] - x[:-m]
+    return float(np.sum(x**2))
 
 
 @rows("order, size", paired([1, 2, 3], [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777]))
-def test_every_size_and_order(order: int, size: int) -> None:
+def test_every_size_and_order(order, size):
     x = np.cumsum(np.random.default_rng(size + order).standard_normal(size))
     most = (size - 1) // order
     m = np.unique(np.concatenate((np.geomspace(1, most, 37), [ROWS, ROWS + 1, TILE // 4 - 1, TILE // 4, most])))
-    m = m[m <= most].astype(np.int64)
-    m = np.unique(m)
+    m = np.unique(m[m <= most].astype(np.int64))
     assert overlapped(x, m, order) == pytest.approx([literal(x, k, order) for k in m.tolist()], rel=1e-12)
 
 
 @rows("size", [5, BLOCK, TILE + 5])
-def test_only_the_first_windows(size: int) -> None:
+def test_only_the_first_windows(size):
     x = np.cumsum(np.random.default_rng(1).standard_normal(2 * TILE))
     m = np.array([1, 2, 3, 5, 300, 5000, 40_000])
     sums = np.ones(m.size)
@@ -34,18 +32,10 @@ def test_only_the_first_windows(size: int) -> None:
     assert sums == pytest.approx(expected, rel=1e-12)
 
 
-def test_integers_are_exact_and_no_factor_has_nothing():
-    x = np.cumsum(np.random.default_rng(2).integers(-9, 10, 70_000)).astype(np.float64)
-    m = np.array([1, 2, 3, 4, 7, 255, 256, 1000, 9999])
-    for order in (2, 3):
-        assert overlapped(x, m, order).tolist() == [literal(x, k, order) for k in m.tolist()]
-    assert overlapped(np.arange(9.0), np.empty(0, np.int64), 2).size == 0
-
-
 @rows("order", [1, 2, 3])
-def test_the_sum_of_a_factor_has_the_same_bits_beside_any_others(order: int) -> None:
+def test_the_sum_of_a_factor_has_the_same_bits_beside_any_others(order):
     rng = np.random.default_rng(order)
     x = np.cumsum(rng.standard_normal(TILE + 4 * ROWS))
-    for size in (1, 3, 4, 6, 13):
+    for size in (0, 1, 3, 4, 6, 13):
         m = np.unique(rng.integers(1, 3 * ROWS, size))
         assert overlapped(x, m, order).tolist() == [overlapped(x, m[i : i + 1], order)[0] for i in range(m.size)]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.study import curves
@@ -22,9 +22,8 @@ def test_limits_are_those_of_the_identified_noise():
     np.testing.assert_array_equal(curve.interval(0.9), same.interval(0.9))
     assert curve.supposed == same.supposed
     symbols = ", ".join(s for s in al.terms.TERMS if s in {term.symbol for term in fit.averaged.terms})
-    assert (
-        curve.supposed == f"intervals averaged over {len(fit.averaged)} models of {symbols} identified from the record"
-    )
+    averaged = f"intervals averaged over {len(fit.averaged)} models of {symbols}"
+    assert curve.supposed == f"{averaged} identified from the record"
 
 
 def test_the_noise_is_identified_when_limits_are_asked_for_and_once(monkeypatch):
@@ -46,19 +45,15 @@ def test_limits_of_a_hybrid_are_those_of_its_bias_under_the_noise_and_its_value_
     np.testing.assert_allclose(plain.interval(), moved.interval(), rtol=1e-6)
 
 
-def unfit():
-    steps = np.repeat(np.random.default_rng(1).standard_normal(200), 8)
-    return {
-        "too few": al.Record(steps[:100:2], rate=1.0, unit="deg/h"),
-        "never changes": al.Record(np.ones(500), rate=1.0, unit="deg/h"),
-        "repeat the previous one": al.Record(steps, rate=1.0, unit="deg/h"),
-        "frequency stability": al.Record(simulated().values, rate=1.0, unit="1", kind="rate"),
-    }
+STEPS = np.repeat(np.random.default_rng(1).standard_normal(200), 8)
 
 
-@rows("why", unfit())
-def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
-    record = unfit()[why]
+@rows("values, unit, why", [
+    (STEPS[:100:2], "deg/h", "too few"), (np.ones(500), "deg/h", "never changes"),
+    (STEPS, "deg/h", "repeat the previous one"), (simulated().values, "1", "frequency stability"),
+])  # fmt: skip
+def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(values, unit, why):
+    record = al.Record(values, rate=1.0, unit=unit, kind="rate")
     curve, automatic = al.deviation(record), al.deviation(record, noise="auto")
     np.testing.assert_array_equal(curve.interval(), automatic.interval())
     assert curve.supposed.startswith(automatic.supposed + ": the noise was not identified")
@@ -84,15 +79,14 @@ def test_a_fit_that_explains_nothing_is_named_as_such():
 
 
 def test_an_unknown_noise_is_refused():
-    with pytest.raises(al.UsageError, match="'identified', 'auto' or None, not 'known'"):
-        al.deviation(simulated(), noise="known")
+    words = "'identified', 'auto' or None, not 'known'"
+    refused(al.UsageError, words, lambda: al.deviation(simulated(), noise="known"))
 
 
 @rows("length, rate, end", [
-    ({"duration": 600.0}, None, "until=600"),
-    ({"samples": 500}, 10.0, "until=50"),
+    ({"duration": 600.0}, None, "until=600"), ({"samples": 500}, 10.0, "until=50"),
     ({"samples": 500}, None, "until=TIME"),
 ])  # fmt: skip
 def test_the_length_of_a_model_is_not_that_of_a_recording(length, rate, end):
-    with pytest.raises(al.UsageError, match=end):
-        expected_curves(simulated(), TheorySettings(**length), Deviations(("oadev",)), al.Recipe(rate=rate))
+    choices = TheorySettings(**length), Deviations(("oadev",)), al.Recipe(rate=rate)
+    refused(al.UsageError, end, lambda: expected_curves(simulated(), *choices))

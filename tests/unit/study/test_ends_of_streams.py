@@ -7,7 +7,6 @@ import socket
 import tempfile
 import threading
 from contextlib import closing
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +16,7 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.cli.tasks import WATCH, Reports
 from allanite.readers import live
-from allanite.readers.spool import LONGEST_ROW, Spool
+from allanite.readers.spool import Spool
 from allanite.study import watching
 from allanite.study.analysis import examine
 from allanite.study.watching import Watch, WatchSettings
@@ -157,7 +156,7 @@ ENDS = {
 @pytest.fixture
 def clock(monkeypatch):
     """The time goes on only where nothing comes."""
-    at = SimpleNamespace(now=0.0, steps=[])
+    at = SimpleNamespace(now=0.0)
 
     def sleep(seconds):
         at.now += seconds
@@ -201,15 +200,22 @@ class Direct:
         return []
 
 
-def ended(monkeypatch, source, steps, recipe=RECIPE, deliver=lambda _: None, **settings):
-    """The study of what came, and what was said."""
-    steps, said = [b"gx,gy\n" + ROWS, *steps], []
+def source_of(monkeypatch, kind, folder, steps):
+    """A source in a new folder, to which these things happen while it is watched."""
+    folder.mkdir()
+    source = kind(folder)
     monkeypatch.setattr(watching, "Feed", lambda tap: Direct(tap, source, steps))
-    monkeypatch.setattr(watching, "analyze", examine)
     monkeypatch.setattr(live, "_line", lambda *_: source.open())
+    return closing(source)
+
+
+def ended(monkeypatch, kind, folder, steps, deliver=lambda _: None, **settings):
+    """The study of what came, and what was said."""
+    said = []
+    monkeypatch.setattr(watching, "analyze", examine)
     reports = Reports(event=lambda words, _: said.append(words), deliver=deliver)
-    with closing(source):
-        return WATCH.run([str(source.target)], recipe, WatchSettings(**{"idle": 3.0} | settings), reports), said
+    with source_of(monkeypatch, kind, folder, [b"gx,gy\n" + ROWS, *steps]) as source:
+        return WATCH.run([str(source.target)], RECIPE, WatchSettings(**{"idle": 3.0} | settings), reports), said
 
 
 @pytest.fixture
@@ -226,32 +232,24 @@ def kept(tmp_path, monkeypatch):
 def test_what_came_is_analyzed_however_a_stream_ends(tmp_path, monkeypatch, clock, kept, kind):
     sent = np.loadtxt(_LINES, delimiter=",")
     for name, (steps, more) in ENDS.items():
-        folder = tmp_path / name
-        folder.mkdir()
-        study, said = ended(monkeypatch, kind(folder), steps)
+        study, said = ended(monkeypatch, kind, tmp_path / name, steps)
         for channel, wanted in zip(study, sent.T, strict=True):
             values = channel.record.values[np.isfinite(channel.record.values)]
             assert len(values) >= FEW + more, (name, said)
             assert np.isin(values, [*wanted, 0.1, 0.0]).all(), name
         turned = kind is File and any(step in ("cut", "turn") for step in steps)
-        assert ("rotated" in {one.name for one in study.findings}) == turned, name
+        assert ("rotated" in {finding.name for finding in study.findings}) == turned, name
         assert not kept(), name
 
 
 @rows("kind", SOURCES, ids=[kind.__name__ for kind in SOURCES])
 def test_a_watch_ends_in_every_state(tmp_path, monkeypatch, clock, kept, kind):
     """By the time, by hand, where no one writes or the source is gone; with nothing there is an error."""
-    for number, (steps, settings) in enumerate((
-        (["leave"], {"duration": 1.0, "idle": math.inf}), ([], {"duration": 1.0, "idle": math.inf}), (["leave"], {}),
-    )):  # fmt: skip
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        study, _ = ended(monkeypatch, kind(folder), steps, **settings)
+    timed = {"duration": 1.0, "idle": math.inf}
+    for number, (steps, settings) in enumerate(((["leave"], timed), ([], timed), (["leave"], {}))):
+        study, _ = ended(monkeypatch, kind, tmp_path / str(number), steps, **settings)
         assert study[0].record.size == FEW
-        source = kind(folder / ("silent" if folder.joinpath("silent").mkdir() is None else ""))
-        monkeypatch.setattr(watching, "Feed", lambda tap, source=source: Direct(tap, source, []))
-        monkeypatch.setattr(live, "_line", lambda *_, source=source: source.open())
-        with closing(source):
+        with source_of(monkeypatch, kind, tmp_path / f"{number} silent", []) as source:
             watch = Watch(str(source.target), RECIPE, WatchSettings(**{"idle": 3.0} | settings))
             with watch.keeping(print):
                 assert len(list(watch.events())) <= 2
@@ -264,9 +262,8 @@ def test_lines_stay_where_a_result_could_not_be_written_and_come_only_once(tmp_p
         raise al.UsageError("cannot be written")
 
     for kind in SOURCES:
-        folder = tmp_path / kind.__name__
-        folder.mkdir()
-        refused(al.UsageError, "cannot be written", lambda k=kind, f=folder: ended(monkeypatch, k(f), [], deliver=full))
+        how = monkeypatch, kind, tmp_path / kind.__name__, [], full
+        refused(al.UsageError, "cannot be written", lambda how=how: ended(*how))
         assert len(kept()) == (kind is not File)
         for file in kept():
             assert file.read_bytes().count(b"\n") == FEW + 1
@@ -294,6 +291,10 @@ def test_wrong_targets_are_refused_in_words(tmp_path):
         ("a\0b", "cannot be watched"), ("udp://a\0b:9000", "this machine only"),
     ):  # fmt: skip
         refused(al.AllaniteError, words, lambda t=target: live.opened(t, 9600))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        taken = f"udp://127.0.0.1:{other.getsockname()[1]}"
+        refused(al.DataError, "cannot be watched", lambda: live.opened(taken, 9600))
     if os.path.exists("/dev/full"):
         refused(al.UsageError, "a device or a pipe", lambda: Spool("port", "/dev/full"))
 
@@ -306,12 +307,3 @@ def test_a_source_that_does_not_answer_does_not_hold_the_end(monkeypatch):
     broken = live.Feed(live.Tap(lambda _: 1 // 0 or b"", lambda: None))
     broken.thread.join()
     refused(ZeroDivisionError, "division", lambda: broken.take(1.0))
-
-
-def test_rows_that_a_reader_takes_are_kept_as_they_are():
-    spool = Spool("log.csv", sent=False)
-    for data in (b"a;b\n0,1;0,2\n0,3;0,4\n1;\n# x\n", b"7;" + b"1" * LONGEST_ROW + b"1\n1;2\n"):
-        spool.add(data)
-    text = Path(spool.path).read_bytes()
-    spool.close()
-    assert text == b"a;b\n0,1;0,2\n0,3;0,4\n1;\n# x\nnan;nan\n1;2\n"

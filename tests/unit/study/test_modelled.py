@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.commands import run
-from tests.rows import paired, rows
+from tests.commands import ends, run
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.reporting import page, table, to_csv
 from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
 from allanite.study.noise import noise_in
 from allanite.study.recipe import Recipe
+
+pytestmark = pytest.mark.slow("seconds of analyses")
 
 SETTINGS = {
     "plan": PlanSettings(durations=(600.0, 7200.0), accuracy=0.07),
@@ -49,10 +51,8 @@ def job(request, recording):
     return run_model_job(recording, SETTINGS[request.param], Recipe())
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_every_form_shows_every_channel_and_the_doubt(job):
-    assert [channel.name for channel in job.channels] == ["gx", "gy", "gz"]
-    shown = page(job)
+    shown, data = page(job), job.to_dict()
     for text in (table(job, width=80), table(job, width=120)):
         assert all(f"\n{name}  gyroscope" in text for name in ("gx", "gy", "gz"))
         assert "not taken into account: " in text
@@ -62,94 +62,71 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
     assert job["gz"].result is None
     assert "To use the coefficients nevertheless: --unexplained" in said or "unexplained=True" in said
     assert 'class="alert"' in shown
-    assert shown.count('class="channel"') == 3
-    data = job.to_dict()
-    assert [c["explained"] for c in data["channels"]] == [True, True, False]
-    assert [c["validity"] for c in data["channels"]] == ["explained", "explained", "unexplained"]
+    assert (shown.count('class="channel"'), shown.lower().count("not explained") >= 2) == (3, True)
+    assert [(c["name"], c["explained"], c["validity"], c["fit"]["type"]) for c in data["channels"]] == [
+        ("gx", True, "explained", "Fit"), ("gy", True, "explained", "Fit"), ("gz", False, "unexplained", "Fit"),
+    ]  # fmt: skip
     assert {term["status"] for term in data["channels"][2]["fit"]["terms"]} == {"not valid"}
     assert data["channels"][2]["alerts"][0].startswith("not explained")
-    assert shown.lower().count("not explained") >= 2
-    assert [c["fit"]["type"] for c in data["channels"]] == ["Fit"] * 3
-    rows = list(csv.DictReader(io.StringIO(to_csv(job))))
-    assert {row["channel"] for row in rows} == {"gx", "gy"}
+    assert {row["channel"] for row in csv.DictReader(io.StringIO(to_csv(job)))} == {"gx", "gy"}
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("verb", ["plan", "statespace"])
 def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, file):
     """K = 6944 deg/h/sqrt(h) was planned for a ring laser gyro, and its matrices printed."""
     alone = [verb, file, "--channels", "gz", *OPTIONS[verb]]
-    refused = run(*alone)
-    assert (refused.exit_code, refused.stdout) == (3, "")
-    assert "gz: not explained" in refused.stderr
-    assert refused.stderr.rstrip().endswith("To use the coefficients nevertheless: --unexplained")
-    asked = run(*alone, "--unexplained", "--json", "-", code=0)
-    (channel,) = json.loads(asked.stdout)["channels"]
-    assert (channel["explained"], channel["refusal"]) == (False, "")
-    assert json.loads(asked.stdout)["recipe"]["unexplained"] is True
+    refusal = run(*alone)
+    ends(refusal, 3, "gz: not explained")
+    assert (refusal.stdout, refusal.stderr.split()[-1]) == ("", "--unexplained")
+    asked = json.loads(run(*alone, "--unexplained", "--json", "-", code=0).stdout)
+    assert [(channel["explained"], channel["refusal"]) for channel in asked["channels"]] == [(False, "")]
+    assert asked["recipe"]["unexplained"] is True
 
 
-def test_a_check_has_no_figure(recording):
-    with pytest.raises(al.UsageError, match="SelfChecks has no figure"):
-        al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
-
-
-@pytest.mark.slow("seconds of analyses")
 @rows("verb, source", paired(list(OPTIONS), ["file", "sensor"]))
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
     first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html", code=0)
-    found = json.loads(first.stdout)
-    recipe = tmp_path / "recipe.toml"
-    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
+    done, recipe = json.loads(first.stdout), tmp_path / "recipe.toml"
+    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in done["recipe"].items()))
     again = run(verb, *noise[: source == "file"], "--recipe", recipe, "--json", "-", code=0)
-    assert json.loads(again.stdout) == found
+    assert json.loads(again.stdout) == done
     assert (tmp_path / "page.html").stat().st_size > 5000
-
-
-@pytest.mark.slow("seconds of analyses")
-@rows("verb", ["plan", "statespace"])
-def test_the_options_of_the_identification_work(verb, file):
-    """A band on a recording gives other numbers than the whole record."""
-    usual = [verb, file, "--channels", "gx", "--json", "-", *OPTIONS[verb]]
-    band = [*usual, "--band", "0,2"]
-    (whole,), (part,) = (json.loads(run(*words).stdout)["channels"] for words in (usual, band))
-    assert whole["model"] != part["model"]
 
 
 def test_what_a_channel_cannot_support_is_said_and_the_others_go_on(tmp_path):
     rng = np.random.default_rng(1)
-    models = (al.N(0.1, "deg/sqrt(h)"), al.N(0.1, "deg/sqrt(h)") + al.K(200.0, "deg/h/sqrt(h)"))
-    white, walk = (al.simulate(model, 4000, 10.0, rng=rng, unit="deg/h", name="g") for model in models)
-    constant = replace(white, values=np.zeros(4000), name="g0")
-    al.write(al.Recording((constant, replace(white, name="gx"))), tmp_path / "two.npz")
-    refused, good = json.loads(run("plan", tmp_path / "two.npz", "--json", "-").stdout)["channels"]
-    assert refused["refusal"]
-    assert "errors" not in refused
+    models = {"gx": al.N(0.1, "deg/sqrt(h)"), "gy": al.N(0.1, "deg/sqrt(h)") + al.K(200.0, "deg/h/sqrt(h)")}
+    white, walk = (al.simulate(model, 4000, 10.0, rng=rng, unit="deg/h", name=name) for name, model in models.items())
+    al.write(al.Recording((replace(white, values=np.zeros(4000), name="g0"), white)), tmp_path / "two.npz")
+    bad, good = json.loads(run("plan", tmp_path / "two.npz", "--json", "-").stdout)["channels"]
+    assert bad["refusal"]
+    assert "errors" not in bad
     assert good["names"][0] == "N"
-    assert "no result: " in run("plan", tmp_path / "two.npz").stdout
-    job = run_model_job(al.Recording((replace(white, name="gx"), replace(walk, name="gy"))), StateSpaceSettings())
-    assert job["gx"].refusal.startswith("only white noise was identified")
+    ends(run("plan", tmp_path / "two.npz"), 0, "no result: ")
+    job = run_model_job(al.Recording((white, walk)), StateSpaceSettings())
+    words = "only white noise was identified"
+    assert job["gx"].refusal.startswith(words)
     assert job["gy"].result.states == ("bias, random walk",)
-    with pytest.raises(al.DataError, match="only white noise was identified"):
-        run_model_job(white, StateSpaceSettings(), Recipe(terms="N"))
+    refused(al.DataError, words, lambda: run_model_job(white, StateSpaceSettings(), Recipe(terms="N")))
+    whole, part = (run_model_job(walk, PlanSettings(), Recipe(band=band))[0].result for band in ("auto", (0.0, 2.0)))
+    assert whole.model != part.model
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_a_check_says_which_limit_it_exceeds(recording):
     job = run_model_job(recording, SETTINGS["selfcheck"])
     assert any(sentence.startswith("gx ") for sentence in job.exceeded)
     assert f"Limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
+    refused(al.UsageError, "SelfChecks has no figure", lambda: al.plot(job))
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_a_term_that_the_curve_contradicts_is_named_as_left_out(recording, monkeypatch):
     def contradicted(*arguments):
         noise = noise_in(*arguments)
         return replace(noise, fit=noise.fit.invalid("it is larger than the curve", ("B",)))
 
     monkeypatch.setattr("allanite.study.modelled.noise_in", contradicted)
-    found = run_model_job(recording, PlanSettings(), Recipe(channels=("gx",)))[0]
-    assert "B" not in {term.symbol for term in found.result.model}
+    channel = run_model_job(recording, PlanSettings(), Recipe(channels=("gx",)))[0]
+    assert "B" not in {term.symbol for term in channel.result.model}
     said = "B is left out of the model because its coefficient is not valid: it is larger than the curve"
-    assert said in found.alerts
+    assert said in channel.alerts

@@ -1,7 +1,6 @@
 """Files that do not fit into memory: the numbers of the same file in memory, and what is refused by name."""
 
 import json
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pyarrow as pa
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings, strategies as st
 from pyarrow import csv
 from tests import ALL, examples
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import page, table
 from allanite.study.recipe import Recipe
 from allanite.study.survey import Densities, Deviations, Windows, survey
@@ -67,13 +65,15 @@ def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file,
         assert [known[m] / exact[m] for m in far] == pytest.approx([1.0] * len(far), rel=0.1)
 
 
-@rows("choice", ["mark", "keep"])
-def test_outliers_are_marked_or_kept(file, choice):
+@rows("choices", [{"outliers": "mark"}, {"outliers": "keep"}, {"start": 100.0, "until": 1500.0, "outliers": "keep"}])
+def test_outliers_are_marked_or_kept_and_a_window_is_cut(file, choices):
     job = Deviations(m=(1, 2, 8), intervals=False)
-    mine, whole = (
-        survey(file, job, Recipe(**HOW, outliers=choice, memory=memory)).values[0] for memory in ("100kB", None)
-    )
-    assert mine.variance == pytest.approx(whole.variance, rel=1e-9)
+    mine, whole = (survey(file, job, Recipe(**HOW, **choices, memory=memory)) for memory in ("100kB", None))
+    for one, other in zip(mine, whole, strict=True):
+        assert one.record.size == other.record.size == (140_000 if "start" in choices else N)
+        assert one.record.start == pytest.approx(choices.get("start"))
+    for i in (0, 2):
+        assert mine.values[i].variance == pytest.approx(whole.values[i].variance, rel=1e-9)
 
 
 def test_spectra_are_those_of_the_whole(file):
@@ -84,17 +84,24 @@ def test_spectra_are_those_of_the_whole(file):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_study_has_the_coefficients_of_the_whole(file):
+def test_the_study_has_the_coefficients_of_the_whole_and_nothing_is_done_in_silence(file):
     mine, whole = (al.analyze(file, recipe) for recipe in (PARTS, WHOLE))
     for one, other in zip(mine, whole, strict=True):
-        found, known = one.fit["N"], other.fit["N"]
-        assert found.value == pytest.approx(known.value, rel=0.01)
+        assert one.fit["N"].value == pytest.approx(other.fit["N"].value, rel=0.01)
         assert one.record.size == other.record.size
     assert mine["column 1"].fit["K"].value == pytest.approx(whole["column 1"].fit["K"].value, rel=0.3)
-    assert "outliers" in mine["column 1"].quality.names
-    assert "gaps" in mine["column 2"].quality.names
-    assert mine["column 3"].quality.names == ()
+    assert [channel.quality.names for channel in mine] == [("outliers",), ("gaps",), ()]
     assert mine.provenance["sha256"] == whole.provenance["sha256"]
+    said = " ".join(table(mine).split())
+    for words in (
+        "the file was read in parts: as a whole the record may take 17.6 MB of memory, of which 100 kB may be used",
+        "from those that start every 2^k samples",
+        "every sample was checked for gaps, outliers, stuck and clipped values",
+        "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals",
+    ):
+        assert words in said
+    assert al.from_dict(mine.to_dict()).to_dict() == mine.to_dict()
+    assert "read in parts" in page(mine)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -132,21 +139,6 @@ def test_nothing_is_claimed_by_a_model_that_does_not_explain_a_record_in_parts(t
     assert {e.status for e in mine.fit} == {"not valid"}
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_nothing_is_done_in_silence(file):
-    study = al.analyze(file, PARTS)
-    said = " ".join(table(study).split())
-    for words in (
-        "the file was read in parts: as a whole the record may take 17.6 MB of memory, of which 100 kB may be used",
-        "from those that start every 2^k samples",
-        "every sample was checked for gaps, outliers, stuck and clipped values",
-        "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals",
-    ):
-        assert words in said
-    assert al.from_dict(study.to_dict()).to_dict() == study.to_dict()
-    assert "read in parts" in page(study)
-
-
 @settings(max_examples=examples(12), deadline=None)
 @given(st.integers(3, 60_000))
 def test_the_length_of_the_parts_does_not_matter(file, samples):
@@ -154,23 +146,15 @@ def test_the_length_of_the_parts_does_not_matter(file, samples):
         patch.setattr("allanite.readers.parts.AT_ONCE", max(samples, 1000))
         job = Deviations(m=(1, 3, 15, 128, 8192), intervals=False)
         mine = survey(file, job, Recipe(**HOW, channels=("3",), memory="100kB", outliers="keep")).values[0]
-    values = np.load(file)[:, 2]
     stream = al.Accumulator(100.0, "deg/h")
-    stream.push(values)
+    stream.push(np.load(file)[:, 2])
     exact = by_m(stream.curve())
     unit = mine.to("rad/s")
     assert unit.variance.tolist() == pytest.approx([exact[m] for m in unit.m.tolist()], rel=1e-9)
 
 
-def test_a_window_is_cut(file):
-    job = Deviations(m=(1, 8), intervals=False)
-    choice = {**HOW, "start": 100.0, "until": 1500.0, "outliers": "keep"}
-    mine, whole = (survey(file, job, Recipe(**choice, memory=memory)) for memory in ("100kB", None))
-    for one, other in zip(mine, whole, strict=True):
-        assert one.record.size == other.record.size == 140_000
-        assert one.record.start == pytest.approx(100.0)
-    assert mine.values[0].variance == pytest.approx(whole.values[0].variance, rel=1e-9)
-    assert mine.values[2].variance == pytest.approx(whole.values[2].variance, rel=1e-9)
+def finding_named(name, channel):
+    return next(finding for finding in channel.quality.findings if finding.name == name)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -186,21 +170,17 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
     assert "clipped" in study[1].quality.names
     assert "constant" in study[2].quality.names
     stuck = "the output is stuck in 1 place, the first from 1700 s"
-    assert stuck in str(next(f for f in study[0].quality.findings if f.name == "stuck"))
+    assert stuck in str(finding_named("stuck", study[0]))
     monkeypatch.setattr("allanite.prepare.inspector.BLOCK", 30_000)
-    blocks = al.analyze(tmp_path / "bad.npy", PARTS)[0].quality.findings
-    assert f"in 1 of 7 blocks of 30000 samples that were inspected, first: {stuck}" in str(
-        next(f for f in blocks if f.name == "stuck")
-    )
+    blocks = finding_named("stuck", al.analyze(tmp_path / "bad.npy", PARTS)[0])
+    assert f"in 1 of 7 blocks of 30000 samples that were inspected, first: {stuck}" in str(blocks)
     np.save(tmp_path / "worse.npy", values[:, 2:])
     refused(al.DataError, "always 1", lambda: al.analyze(tmp_path / "worse.npy", PARTS))
 
 
 @rows(("recipe", "words"), [
-    (
-        {"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"},
-        "no method 'piecewise': only 'whittle', or allow more memory with memory=",
-    ),
+    ({"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"},
+     "no method 'piecewise': only 'whittle', or allow more memory with memory="),
     ({"quiet_window": 100.0}, "no quiet_window: omit it"),
     ({"method": "gls"}, "no method 'gls': only 'whittle'"),
     ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),
@@ -229,26 +209,23 @@ def test_segments_are_bounded(file, monkeypatch):
     assert survey(file, Densities(segment=40.96), PARTS).values[0].resolution > 0
 
 
-def run(*words):
-    result = CliRunner().invoke(main, [*map(str, words)])
-    return result.exit_code, " ".join((result.stdout + result.stderr).split())
-
-
 @pytest.mark.slow("a process that reads in parts")
 def test_the_command_line_takes_the_option(file, tmp_path):
-    how = ("--rate", "100", "--unit", "deg/h", "--memory", "100kB")
-    code, said = run("analyze", file, *how, "--channels", "3", "--json", tmp_path / "s.json")
-    assert code == 0, said
-    assert "may be used (--memory)" in said
+    how = (file, "--rate", "100", "--unit", "deg/h", "--memory")
+    ends(run("analyze", *how, "100kB", "--channels", "3", "--json", tmp_path / "s.json"), 0, "may be used (--memory)")
     assert json.loads((tmp_path / "s.json").read_text())["recipe"]["memory"] == "100kB"
-    code, said = run("deviation", file, *how, "--statistic", "hdev")
-    assert code == 2
-    assert "choose one of oadev, mdev, tdev, ohdev, haar, or allow more memory with --memory" in said
-    code, said = run("rate", file, *how)
-    assert code == 2
-    assert re.search(r"the record may take 17.6 MB of memory, of which 100 kB may be used", said)
-    more = said.partition("allow more with --memory ")[2].split()[0]
-    assert run("rate", file, *how[:4], "--memory", more)[0] in (0, 3)
+    said = "choose one of oadev, mdev, tdev, ohdev, haar, or allow more memory with --memory"
+    ends(run("deviation", *how, "100kB", "--statistic", "hdev"), 2, said)
+    refusal = run("rate", *how, "100kB")
+    ends(refusal, 2, "the record may take 17.6 MB of memory, of which 100 kB may be used")
+    more = " ".join(refusal.stderr.split()).partition("allow more with --memory ")[2].split()[0]
+    assert run("rate", *how, more).exit_code in (0, 3)
+
+
+def printed(program, *words):
+    """The integers that a program prints in a process of its own."""
+    command = [sys.executable, "-c", program, *map(str, words)]
+    return [int(word) for word in subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()]
 
 
 PEAK = """
@@ -271,10 +248,7 @@ def test_six_channels_fit_where_one_of_them_does(suffix, memory, tmp_path):
         np.save(path, values)
     else:
         csv.write_csv(pa.table(dict(zip("abcdef", np.rint(values.T * 1e5) / 1e5, strict=True))), path)
-    done = subprocess.run(
-        [sys.executable, "-c", PEAK, path, f"{memory}MB"], capture_output=True, text=True, check=True
-    )  # fmt: skip
-    peak, alone = map(int, done.stdout.split())
+    peak, alone = printed(PEAK, path, f"{memory}MB")
     assert alone
     assert peak < memory + 200  # MB; what pyarrow parses at a time does not grow with the file
 
@@ -295,8 +269,5 @@ def test_memory_does_not_grow_with_the_file(tmp_path):
     rng = np.random.default_rng(2)
     for name, size in (("small", 3_000_000), ("large", 12_000_000)):
         np.save(tmp_path / f"{name}.npy", rng.standard_normal(size, dtype=np.float32))
-    done = subprocess.run(
-        [sys.executable, "-c", LIMITED, tmp_path / "small.npy", tmp_path / "large.npy"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    assert int(done.stdout) < 40  # MB more; the large file has 48 MB, and its samples as float64 96 MB
+    (more,) = printed(LIMITED, tmp_path / "small.npy", tmp_path / "large.npy")
+    assert more < 40  # MB more; the large file has 48 MB, and its samples as float64 96 MB

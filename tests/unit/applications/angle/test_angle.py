@@ -1,7 +1,9 @@
 """Angle sensors: geometry, harmonics, estimator, planning, refusals."""
 
-import dataclasses
 import math
+import re
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,9 +13,9 @@ from tests.reference.angle import PAPER, PAPER_SUMS, kalman, least_squares, row
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.applications.angle import AngleSettings, squareroot
-from allanite.applications.angle.geometry import ANGLES, EARTH_RATE, Q_LAWS
-from allanite.applications.angle.harmonics import NUISANCES, USUAL, design, harmonic_set
+from allanite.applications.angle import AngleSettings, Ring, calibrate, estimate, squareroot
+from allanite.applications.angle.geometry import ANGLES, Q_LAWS
+from allanite.applications.angle.harmonics import USUAL, design, harmonic_set
 from allanite.applications.angle.latitude import demand_latitude, latitude as latitude_of
 from allanite.applications.angle.service import Service
 from allanite.applications.angle.solve import System, solve
@@ -21,9 +23,6 @@ from allanite.applications.angle.solve import System, solve
 LATITUDE = math.radians(60)
 ARCSEC = math.pi / 648_000
 HOUR = 10.0 * np.arange(360)
-PRIOR = np.array([3.0] * 8 + [10.0] * 5)
-
-still = pytest.mark.parametrize("law", list(Q_LAWS))
 
 
 def hour(start=7200.0, law="exact", **options):
@@ -50,14 +49,14 @@ def sensors(unit=1e-6):
 
 @rows("latitude", [-1.2, 0.0, 0.3, LATITUDE, 1.5])
 @rows("sway", [None, (0.02, 60.0), al.angle.Sway(0.1, 0.03, 47.0, heading=0.7)])
-@rows("ring", [None, al.angle.Ring(1e-3, -0.2, 0.4), al.angle.Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
+@rows("ring", [None, Ring(1e-3, -0.2, 0.4), Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
 def test_momentum_vectors_stay_at_right_angles(latitude, sway, ring):
     gimbals = al.angle.gimbals(np.arange(0, 21000, 7.0), latitude=latitude, sway=sway, ring=ring)
     assert np.abs(gimbals.cosine).max() < 1e-13
 
 
-@still
-@rows("ring", [None, al.angle.Ring(1e-4, -0.1, 0.2, heading=0.3)])
+@rows("law", Q_LAWS)
+@rows("ring", [None, Ring(1e-4, -0.1, 0.2, heading=0.3)])
 def test_partials_are_the_slopes_of_the_cosine(law, ring):
     gimbals = hour(law=law, sway=(0.05, 60.0), ring=ring)
     for name in ANGLES:
@@ -65,31 +64,24 @@ def test_partials_are_the_slopes_of_the_cosine(law, ring):
         np.testing.assert_allclose(gimbals.partials[name], (moved[1] - moved[0]) / 2e-5, atol=1e-9)
 
 
-def test_a_turn_of_the_base_is_a_rotation():
-    sway = al.angle.Sway(0.3, 0.2, 60.0)
-    time = np.linspace(0, 60, 50)
-    axes = [sway.turn(np.outer(axis, np.ones(50)), time) for axis in np.eye(3)]
-    for i in range(3):
-        for j in range(3):
-            np.testing.assert_allclose((axes[i] * axes[j]).sum(axis=0), float(i == j), atol=1e-14)
+def test_a_roll_to_starboard_lowers_the_starboard_axis():
     # a quarter period in, pitch is nil and the base has rolled to starboard, whose axis has sunk by that angle
-    east_in_base = sway.turn(np.array([[1.0], [0.0], [0.0]]), np.array([15.0]))
+    east_in_base = al.angle.Sway(0.3, 0.2, 60.0).turn(np.array([[1.0], [0.0], [0.0]]), np.array([15.0]))
     np.testing.assert_allclose(east_in_base[:, 0], [math.cos(0.3), 0.0, math.sin(0.3)], atol=1e-12)
 
 
-@rows(
-    ("step", "expected"),
-    [(0.0, [-1, 0, 1, 2, 1, -1, 0]), (2.0, [-1, -1, 1, 1, 1, -1, -1]), (3.0, [-1, -1, -1, 2, 2, -1, -1])],
-)
+@rows("step, expected", [
+    (0.0, [-1, 0, 1, 2, 1, -1, 0]), (2.0, [-1, -1, 1, 1, 1, -1, -1]), (3.0, [-1, -1, -1, 2, 2, -1, -1])
+])  # fmt: skip
 def test_a_ring_turns_to_and_fro(step, expected):
-    ring = al.angle.Ring(0.1, -0.1, 0.2, step / 10)
+    ring = Ring(0.1, -0.1, 0.2, step / 10)
     np.testing.assert_allclose(10 * ring.angle(np.array([0.0, 1, 2, 3, 4, 6, 7])), expected, atol=1e-12)
 
 
 def test_a_ring_across_the_vector_turns_h_alone():
     """At h = 0 the vector points east: an axis to the north is across it, one to the east along it."""
     for heading, moved in ((0.0, 1.0), (math.pi / 2, 0.0)):
-        ring = al.angle.Ring(1e-3, -0.1, 0.1, heading=heading)
+        ring = Ring(1e-3, -0.1, 0.1, heading=heading)
         seen = al.angle.gimbals([0.0, 1e-3], latitude=LATITUDE, ring=ring)
         assert abs(seen.h[0]) == pytest.approx(0.1 * moved, abs=1e-12)
         assert seen.q[0] == pytest.approx(math.pi / 2, abs=1e-12)
@@ -97,60 +89,25 @@ def test_a_ring_across_the_vector_turns_h_alone():
 
 def test_the_whole_hours_are_the_ranges_of_the_paper():
     gimbals = al.angle.gimbals(3600.0 * np.arange(7), latitude=LATITUDE)
-    assert np.degrees(gimbals.h).astype(int).tolist() == [0, 7, 14, 20, 25, 28, 29]
     np.testing.assert_allclose(np.degrees(gimbals.h), [0, 7.46, 14.51, 20.75, 25.70, 28.91, 30.0], atol=0.006)
 
 
-def periods(h):
-    """Of the errors on a still base, s, at a value of h in rad."""
-    start = math.asin(math.sin(h) / math.cos(LATITUDE)) / EARTH_RATE
-    near = al.angle.gimbals(start + np.array([-1.0, 0.0, 1.0]), latitude=LATITUDE)
-    return {f"{k} {a}": float(near.period(a, k)[1]) for a in ("h", "q") for k in (128, 256)}
-
-
-def test_periods_of_the_errors():
-    """Minutes; those that the paper names for harmonic 128 of h (12 near zero, 15 in the middle) are those of 256."""
-    zero, middle, late = map(periods, np.radians([0.0, 17.0, 28.0]))
-    minutes = [round(v / 60, 1) for v in (zero["128 h"], zero["256 h"], zero["128 q"], middle["128 h"], late["128 q"])]
-    assert minutes == [22.4, 11.2, 13.0, 26.5, 10.1]
-    last = [(math.pi / 2 - math.asin(math.sin(math.radians(30 - 360 / k)) / 0.5)) / EARTH_RATE / 60 for k in (128, 256)]
-    assert [round(v) for v in last] == [96, 67]
-    same = [row["256 h"] - row["128 q"] for row in map(periods, np.radians([13.0, 14.0]))]
-    assert same[0] < 0 < same[1]
-    plan = planned(0.0, law="linear")
-    assert plan.periods["128 h"] / 60 == pytest.approx(22.4, abs=0.05)
-    assert plan.mean_periods["256 q"] / 60 == pytest.approx(5.61, abs=0.01)
-    scan = al.angle.scan(plan.settings, [0.0, 18000.0])
-    assert scan.mean_periods["128 h"].tolist() == [planned(s, law="linear").mean_periods["128 h"] for s in scan.starts]
-    linear = hour(law="linear")
-    np.testing.assert_allclose(linear.period("q", 128) / 60, 11.22, atol=0.01)
-
-
-@still
+@rows("law", Q_LAWS)
 def test_the_rows_are_those_written_out(law):
     gimbals = hour(law=law)
     names, rows = design(gimbals, harmonic_set((128, 256)), USUAL)
     np.testing.assert_allclose(rows, [row(t, LATITUDE, law) for t in gimbals.time], rtol=1e-9, atol=1e-12)
-    assert names == (
-        "S128 h", "C128 h", "S256 h", "C256 h", "S128 q", "C128 q", "S256 q", "C256 q", "ax", "az", "A1", "A2", "A3",
-    )  # fmt: skip
+    assert names == (*(f"{wave}{k} {a}" for a in "hq" for k in (128, 256) for wave in "SC"), *USUAL)
 
 
-@still
-@rows("start", [0.0, 7200.0, 18000.0])
-def test_recursive_equals_batch_and_the_kalman_filter(law, start):
+@rows("law, start", product(Q_LAWS, [0.0, 7200.0, 18000.0]))
+def test_recursive_equals_batch(law, start):
     gimbals = hour(start, law)
-    _, rows = design(gimbals, harmonic_set((128, 256)), USUAL)
-    z = rows @ [*np.linspace(-2, 2, 12), 1e-3] + np.random.default_rng(1).standard_normal(360)
-    known, left = squareroot.SquareRoot.before(PRIOR).absorb(rows, z)
-    twin = squareroot.batch(rows, z, PRIOR)
+    z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=np.random.default_rng(1))
+    known, twin = (estimate(z, gimbals, method=method).solution for method in ("recursive", "batch"))
     np.testing.assert_allclose(known.values, twin.values, rtol=1e-9)
     np.testing.assert_allclose(known.covariance, twin.covariance, rtol=1e-9, atol=1e-9 * known.covariance.max())
-    assert known.squares == pytest.approx(twin.squares, rel=1e-9)
-    x, P, innovations = kalman(rows, z, 1.0, PRIOR)
-    np.testing.assert_allclose(known.values, x, rtol=1e-6)
-    np.testing.assert_allclose(np.diag(known.covariance), np.diag(P), rtol=1e-6)
-    np.testing.assert_allclose(left, innovations, atol=1e-7)
+    assert known.sigma == pytest.approx(twin.sigma, rel=1e-9)
 
 
 @given(cut=st.integers(1, 359), seed=st.integers(0, 100))
@@ -166,73 +123,71 @@ def test_what_is_known_can_be_added_to(cut, seed):
     np.testing.assert_array_equal(left, np.concatenate([first, second]))
 
 
+def holds(calibration, true):
+    """Whether every amplitude is within four standard errors of the true one."""
+    truth, solution = replace(calibration, true=tuple(true.values())).truth, calibration.solution
+    return all(abs(solution[name] - value) < 4 * solution.error(name) for name, value in truth.items())
+
+
 def test_estimate_finds_what_was_simulated():
     gimbals, true = hour(), sensors()
     z = al.angle.simulate(gimbals, true, nuisance={"ax": 4e-6, "A3": 1e-10}, sigma=1e-6, rng=np.random.default_rng(1))
-    found = al.angle.estimate(z, gimbals)
-    for name, known in true.items():
-        error = np.array([found[name].sine - known.sine, found[name].cosine - known.cosine]).T.ravel()
-        assert np.all(np.abs(error) < 4 * np.sqrt(np.diag(found[name].covariance)))
+    found = estimate(z, gimbals)
+    assert holds(found, true)
     assert (found.solution.sigma, found.solution.warnings) == (pytest.approx(1e-6, rel=0.2), ())
     assert found.solution.history.count[-1] == 360
     np.testing.assert_array_equal(found.solution.history.values[-1], found.solution.values)
-    batch = al.angle.estimate(z, gimbals, method="batch").solution
-    np.testing.assert_allclose(batch.values, found.solution.values, rtol=1e-9)
-    np.testing.assert_allclose(batch.covariance, found.solution.covariance, rtol=1e-9, atol=1e-9 * 1e-12)
 
 
 def test_estimates_of_still_and_swaying_gimbals():
     gimbals = hour()
     z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=np.random.default_rng(1))
-    wrapped = gimbals.moved(q=np.mod(gimbals.q - 2.1, 2 * math.pi))
-    wrapped = wrapped.moved(q=wrapped.q + 2.1)
+    wrapped = gimbals.moved(q=np.mod(gimbals.q - 2.1, 2 * math.pi) + 2.1)
     assert np.ptp(wrapped.q) > 6
-    one, two = (al.angle.estimate(z, g).solution.values for g in (gimbals, wrapped))
+    one, two = (estimate(z, g).solution.values for g in (gimbals, wrapped))
     np.testing.assert_allclose(one, two, rtol=1e-8)
     gimbals = hour(sway=(math.radians(1.5), 61.0))
     true = sensors() | {"h_polar": al.angle.Harmonics.of({128: (2e-6, 1e-6)}, "h_polar")}
     z = al.angle.simulate(gimbals, true, sigma=1e-6, rng=np.random.default_rng(1))
-    found = al.angle.estimate(z, gimbals, orders={"h": [128, 256], "q": [128, 256], "h_polar": [128]})
-    error = np.array([found["h_polar"].sine[0] - 2e-6, found["h_polar"].cosine[0] - 1e-6])
-    assert np.all(np.abs(error) < 4 * np.sqrt(np.diag(found["h_polar"].covariance)))
+    found = estimate(z, gimbals, orders={"h": [128, 256], "q": [128, 256], "h_polar": [128]})
+    assert holds(found, true)
     assert found["h_polar"].found(128)
 
 
 def test_estimates_with_a_turned_ring_hold_the_truth():
     """Errors of the ring's own sensor are estimated, too: 17 constants."""
-    ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10), step=math.radians(0.25))
+    ring = Ring(math.radians(2) / 60, math.radians(-10), math.radians(10), step=math.radians(0.25))
     gimbals = hour(10800.0, ring=ring)
     true = sensors(1e-5) | {"mu": al.angle.Harmonics.of({128: (2e-5, 1e-5)}, "mu")}
-    orders = {"h": [128, 256], "q": [128, 256], "mu": [128, 256]}
-    inside = []
     for seed in range(5):
         z = al.angle.simulate(gimbals, true, sigma=1e-6, rng=np.random.default_rng(seed))
-        found = al.angle.estimate(z, gimbals, orders=orders)
-        found = dataclasses.replace(found, true=tuple(true.values()))
-        assert (found.truth["S128 mu"], found.truth["C256 mu"]) == (2e-5, 0.0)
-        inside += [
-            abs(found.solution[name] - value) < 4 * found.solution.error(name) for name, value in found.truth.items()
-        ]
-    assert all(inside)
+        found = estimate(z, gimbals, orders={a: [128, 256] for a in ("h", "q", "mu")})
+        assert holds(found, true)
+    truth = replace(found, true=tuple(true.values())).truth
+    assert (truth["S128 mu"], truth["C256 mu"]) == (2e-5, 0.0)
 
 
-@rows("seed", [1, 2, 3])
-def test_large_known_noise_and_drift_are_noticed(seed):
-    gimbals, rng = hour(), np.random.default_rng(seed)
+def test_large_known_noise_and_drift_are_noticed():
+    gimbals, rng = hour(), np.random.default_rng(1)
     z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=rng)
-    level = {c.name: c for c in al.angle.estimate(z, gimbals, sigma=0.7e-6).solution.checks}["level"]
+    level = {c.name: c for c in estimate(z, gimbals, sigma=0.7e-6).solution.checks}["level"]
     assert not level.passed
-    assert "1.4" in level.failed or "1.3" in level.failed or "1.5" in level.failed
+    assert re.search(r"1\.[345]", level.failed)
     drifting = al.angle.simulate(gimbals, sensors(), sigma=1e-6, walk=1e-6, rng=rng)
-    found = al.angle.estimate(drifting, gimbals).solution
-    assert not all(c.passed for c in found.checks)
-    assert any("correlated" in w for w in found.warnings)
-    assert {row[-1] for row in al.angle.estimate(drifting, gimbals).rows()[1]} <= {"weak", "absent"}
+    found = estimate(drifting, gimbals)
+    assert not all(c.passed for c in found.solution.checks)
+    assert any("correlated" in w for w in found.solution.warnings)
+    assert {row[-1] for row in found.rows()[1]} <= {"weak", "absent"}
+
+
+def test_outliers_are_omitted_and_told():
+    gimbals, clean = hour(), np.delete(np.arange(360), [100, 200])
+    z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=np.random.default_rng(1))
     z[[100, 200]] += 1e-5, -2e-5
-    solution, clean = al.angle.estimate(z, gimbals).solution, np.delete(np.arange(z.size), [100, 200])
-    assert (solution.omitted.tolist(), solution.innovations.size) == ([100, 200], z.size - 2)
+    solution = estimate(z, gimbals).solution
+    assert (solution.omitted.tolist(), solution.innovations.size) == ([100, 200], 358)
     assert "2 of 360 samples are omitted as outliers (the first at 8200 s)" in solution.warnings[0]
-    without = al.angle.estimate(z[clean], part_of(gimbals, clean)).solution
+    without = estimate(z[clean], part_of(gimbals, clean)).solution
     np.testing.assert_allclose(solution.values, without.values, rtol=1e-9)
 
 
@@ -244,10 +199,10 @@ def test_the_motion_of_h_and_q_gives_the_latitude(latitude):
     value, half = latitude_of(read)
     assert abs(value - true) < half < math.radians(0.1)
     z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=rng)
-    names = [f.name for f in al.angle.estimate(z, read).solution.findings]
+    names = [f.name for f in estimate(z, read).solution.findings]
     assert "latitude" not in names
     wrong = read.moved(h_polar=np.full(HOUR.size, true + math.radians(1)))
-    assert "latitude" in [f.name for f in al.angle.estimate(z, wrong).solution.findings]
+    assert "latitude" in [f.name for f in estimate(z, wrong).solution.findings]
     linear = al.angle.gimbals(HOUR, latitude=1.0, q_law="linear")
     refused(al.UsageError, "gives only the latitude", lambda: demand_latitude(linear))
 
@@ -261,11 +216,11 @@ def test_a_harmonic_that_is_missing_is_named_and_no_limits_are_stated(angle, ord
     gimbals = hour(start)
     more = {angle: al.angle.Harmonics.of({order: (1.5e-5, -1e-5)})}
     z = al.angle.simulate(gimbals, more, sigma=5e-6, rng=np.random.default_rng(2))
-    found = al.angle.estimate(z, gimbals, orders=asked)
+    found = estimate(z, gimbals, orders=asked)
     (finding,) = [f for f in found.solution.findings if f.name == "order"]
     assert finding.what.startswith(f"harmonic {order} of {angle} ")
     assert (found[angle].limits(128), found[angle].status(128) != "identified") == ((None, None), True)
-    whole = al.angle.estimate(z, gimbals, orders=(*asked, order))
+    whole = estimate(z, gimbals, orders=(*asked, order))
     assert (whole.solution.complete, whole[angle].found(order)) == (True, True)
 
 
@@ -298,39 +253,9 @@ def test_false_alarms_are_as_rare_as_is_stated():
     for seed in range(1, 301):
         gimbals = hour(60.0 * seed)
         z = al.angle.simulate(gimbals, sensors(), sigma=5e-6, rng=np.random.default_rng(seed))
-        names = {f.name for f in al.angle.estimate(z, gimbals, prior=(1e-4, 1e-3)).solution.findings}
+        names = {f.name for f in estimate(z, gimbals, prior=(1e-4, 1e-3)).solution.findings}
         alarms = {name: count + (name in names) for name, count in alarms.items()}
     assert max(alarms.values()) < 4
-
-
-ATTACKS = [(0.5, 600, 52, 5.0, (128, 256), None), (1, 1200, -52, 1.0, (64, 128), (math.radians(0.5), 60.0)),
-           (2, 1800, -41, 1.0, (90, 180), None), (10, 7200, 29, 0.1, (2048,), None),
-           (30, 14400, 14, 1.0, (128, 256), None),
-           (2, 1200, -69, 5.0, (36,), None), (5, 3600, 70, 0.1, (128, 256, 512), None),
-           (20, 7200, -3, 1.0, (8, 256), None),
-           (3, 1800, 60, 2.0, (100,), (math.radians(0.1), 20.0)), (60, 20000, 35, 1.0, (16, 32), None)]  # fmt: skip
-"""Interval and duration, s; latitude, deg; noise, arcsec; orders; sway."""
-
-
-@rows("case", ATTACKS)
-@pytest.mark.slow("ten records by the literal filter")
-def test_any_rate_and_length_against_the_filter_of_textbooks(case):
-    interval, duration, latitude, noise, orders, sway = case
-    rng, sigma, prior = np.random.default_rng(len(orders)), noise * ARCSEC, (30 * ARCSEC, 200 * ARCSEC)
-    gimbals = al.angle.gimbals(
-        np.arange(3000.0, 3000.0 + duration, interval), latitude=math.radians(latitude), sway=sway
-    )
-    true = {a: al.angle.Harmonics.of({k: tuple(rng.normal(0, 3, 2) * ARCSEC) for k in orders}) for a in ("h", "q")}
-    z = al.angle.simulate(gimbals, true, sigma=sigma, rng=rng)
-    found = al.angle.estimate(z, gimbals, orders=orders, sigma=sigma, prior=prior).solution
-    service, kept = Service(orders, sigma=sigma, prior=prior), np.delete(np.arange(z.size), found.omitted)
-    service.add(z, gimbals)
-    _, matrix = design(gimbals, {"h": orders, "q": orders}, USUAL)
-    amplitudes = 4 * len(orders)
-    x, P, _ = kalman(matrix[kept], z[kept], sigma, [prior[0]] * amplitudes + [prior[1]] * 5)
-    assert (np.abs(found.values - x) < 1e-3 * found.errors).all()
-    np.testing.assert_allclose(found.errors, np.sqrt(np.diag(P)), rtol=1e-3)
-    np.testing.assert_allclose(service.result().solution.values, found.values, atol=1e-3 * found.errors.min())
 
 
 @pytest.mark.slow("ensemble")
@@ -345,15 +270,6 @@ def test_checks_are_right_as_often_as_they_say():
     assert max(failed.values()) <= 11
 
 
-@rows(
-    ("law", "totals"),
-    [("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)), ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20))],
-)
-def test_planned_accuracy_is_the_prototypes(law, totals):
-    for start, total in enumerate(totals):
-        assert planned(3600.0 * start, law).total == pytest.approx(total, rel=0.01)
-
-
 def test_planning_thins_and_names_a_turn_near_an_error():
     assert planned(7200.0, "linear").condition == pytest.approx(1.1e3, rel=0.1)
     assert planned(18000.0, "linear").condition == pytest.approx(7.8e4, rel=0.05)
@@ -362,9 +278,8 @@ def test_planning_thins_and_names_a_turn_near_an_error():
     np.testing.assert_allclose(fine.totals, coarse.totals, rtol=0.01)
     assert fine.best.settings.interval == 0.1
     assert fine.best.total == pytest.approx(fine.totals.min(), rel=0.01)
-    assert "turn" not in [f.name for f in planned(0.0).findings]
-    near = planned(0.0, turn_period=720.0)
-    assert "turn" in [f.name for f in near.findings]
+    usual, near = planned(0.0), planned(0.0, turn_period=720.0)
+    assert ["turn" in [f.name for f in plan.findings] for plan in (usual, near)] == [False, True]
     assert near.total == pytest.approx(2.30, rel=0.01)
     assert planned(7200.0, turn_period=720.0).total == pytest.approx(4.00, rel=0.01)
 
@@ -385,12 +300,9 @@ def test_the_papers_table_has_the_trend_of_the_linear_law_only():
     np.testing.assert_allclose(sums, PAPER_SUMS, atol=0.015)
     linear, exact = ([planned(3600.0 * i, law).total for i in range(6)] for law in ("linear", "exact"))
     # ranges 7-14 and 25-29, and 20-25 and 7-14, are near each other; best, worst and next to worst are not
-    for ranking in (np.argsort(sums), np.argsort(linear)):
-        assert (ranking[0], ranking[-1]) == (2, 5)
-    assert linear[0] > linear[1]
-    assert sums[0] > sums[1]
-    assert exact[0] < exact[1]
-    assert np.argmin(exact) == 0
+    for totals in (sums, linear):
+        assert (np.argmin(totals), np.argmax(totals), totals[0] > totals[1]) == (2, 5, True)
+    assert (np.argmin(exact), exact[0] > exact[1]) == (0, False)
 
 
 @rows("options, name, words", [
@@ -400,8 +312,6 @@ def test_the_papers_table_has_the_trend_of_the_linear_law_only():
     ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
 ])  # fmt: skip
 def test_caveats_of_a_plan(options, name, words):
-    import re
-
     finding = next(f for f in planned(**options).findings if f.name == name)
     assert re.search(words, str(finding))
 
@@ -431,11 +341,10 @@ def test_only_angles_are_corrected(kind, unit):
     refused(al.UsageError, "'angle' in rad or deg", lambda: al.angle.Harmonics.of({128: (1e-5, 0.0)}).apply(record))
 
 
-def encoder(n=4000, seed=1, turns=2.0, offset=0.0, noise=2.0):
-    true = np.linspace(0.1, 2 * math.pi * turns, n)
+def encoder(turns=2.0):
+    true = np.linspace(0.1, 2 * math.pi * turns, 4000)
     known = al.angle.Harmonics.of({128: (20 * ARCSEC, -7 * ARCSEC), 256: (0.0, 4 * ARCSEC)})
-    rng = np.random.default_rng(seed)
-    return known.read(true + offset) + noise * ARCSEC * rng.standard_normal(n), true, known
+    return known.read(true) + 2 * ARCSEC * np.random.default_rng(1).standard_normal(4000), true
 
 
 @pytest.mark.slow("ensemble")
@@ -445,19 +354,16 @@ def test_a_harmonic_that_is_not_there_is_seldom_found():
     for seed in range(1, 301):
         angle = np.linspace(0, 6, 500)
         z = ARCSEC * np.random.default_rng(seed).standard_normal(500)
-        found += al.angle.calibrate(angle + z, angle, orders=[128]).found(128)
+        found += calibrate(angle + z, angle, orders=[128]).found(128)
     assert found <= 12
 
 
 def test_units_and_records_are_one():
-    measured, reference, _ = encoder()
-    plain = al.angle.calibrate(measured, reference, sigma=2 * ARCSEC)
-    in_degrees = al.angle.calibrate(np.degrees(measured), np.degrees(reference), unit="deg", sigma=2 / 3600)
-    records = [
-        al.Record(np.degrees(v), rate=1.0, unit="deg", kind="angle", name=n)
-        for v, n in ((measured, "enc"), (reference, "ref"))
-    ]
-    named = al.angle.calibrate(*records)
+    measured, reference = encoder()
+    plain = calibrate(measured, reference, sigma=2 * ARCSEC)
+    in_degrees = calibrate(np.degrees(measured), np.degrees(reference), unit="deg", sigma=2 / 3600)
+    pair = zip((measured, reference), ("enc", "ref"), strict=True)
+    named = calibrate(*(al.Record(np.degrees(v), 1.0, "deg", kind="angle", name=name) for v, name in pair))
     np.testing.assert_allclose(in_degrees.sine, plain.sine, rtol=1e-9)
     np.testing.assert_allclose(in_degrees.covariance, plain.covariance, rtol=1e-9, atol=1e-22)
     np.testing.assert_allclose(named.cosine, plain.cosine, rtol=1e-9)
@@ -465,107 +371,78 @@ def test_units_and_records_are_one():
 
 
 def test_what_is_said_of_an_encoder():
-    measured, reference, _ = encoder()
-    measured = measured + 15 * ARCSEC * np.sin(reference)
-    finding = next(f for f in al.angle.calibrate(measured, reference).solution.findings if f.name == "order")
+    measured, reference = encoder()
+    wavy = measured + 15 * ARCSEC * np.sin(reference)
+    finding = next(f for f in calibrate(wavy, reference).solution.findings if f.name == "order")
     assert "harmonic 1 of the angle is also present, with an amplitude of about 15 arcsec (p < 1e-12)" in finding.what
-    assert not al.angle.calibrate(measured, reference, orders=[1, 128, 256]).solution.findings
-    measured, reference, _ = encoder()
-    drifting = measured + np.linspace(-50, 50, 4000) * ARCSEC
-    found = al.angle.calibrate(drifting, reference, trend=1)
+    assert not calibrate(wavy, reference, orders=[1, 128, 256]).solution.findings
+    found = calibrate(measured + np.linspace(-50, 50, 4000) * ARCSEC, reference, trend=1)
     assert (found.solution["drift"], found.solution.warnings) == (pytest.approx(50 * ARCSEC, rel=0.01), ())
-    measured, reference, _ = encoder(turns=0.02)
-    assert "span" in [f.name for f in al.angle.calibrate(measured, reference).solution.findings]
+    measured, reference = encoder(turns=0.02)
+    assert "span" in [f.name for f in calibrate(measured, reference).solution.findings]
 
-
-# refusals
 
 z360 = np.sin(np.arange(360.0)) * 1e-6
 
 
-def spoiled(values, at, value):
-    copy = values.copy()
-    copy[at] = value
-    return copy
+REFUSED = [
+    (lambda: estimate(np.where(HOUR == 70, math.nan, z360), hour()), "1 of 360 .* first at sample 7"),
+    (lambda: hour().moved(h=np.where(HOUR == 30, math.inf, 0.1)), "h are not finite, the first at"),
+    (lambda: hour().moved(time=np.where(HOUR == 50, 31.0, HOUR)), "time decreases at sample 5 .31 s after 40 s"),
+    (lambda: hour().moved(time=np.where(HOUR == 50, 40.0, HOUR)), "time does not increase at sample 5"),
+    (lambda: hour().moved(h=np.degrees(hour().h)), "in degrees"),
+    (lambda: al.angle.gimbals(HOUR, latitude=60.0), "in degrees"),
+    (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=(2.0, 60.0)), "is that in degrees"),
+    (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=2.0), r"sway must be a Sway"),
+    (lambda: al.angle.gimbals(HOUR, latitude=1.0, q_law="x"), "known laws: exact, linear"),
+    (lambda: Ring(0.0, -0.1, 0.1), "the rate of a ring must be between 1e-30"),
+    (lambda: Ring(0.1, -10.0, 10.0), "is it in degrees"),
+    (lambda: Ring(0.1, -0.1, 0.1, step=0.3), "exceeds the range"),
+    (lambda: planned(0.0, orders={"mu": [128]}), "Turn the outer ring"),
+    (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be separated from a constant"),
+    (lambda: planned(0.0, duration=15.0), "fewer than 2 samples"),
+    (lambda: planned(0.0, interval=-1.0), "interval must be between 1e-15"),
+    (lambda: planned(math.nan), "start must be between"),
+    (lambda: estimate(z360[:-1], hour()), "359 samples instead of 360"),
+    (lambda: estimate(z360[:13], al.angle.gimbals(HOUR[:13], latitude=1.0)), "too few for 13"),
+    (lambda: estimate(z360, hour(), orders={"q_polar": [128]}), "under sway only"),
+    (lambda: estimate(z360, hour().moved(h=np.full(360, 0.2))), "h stays within 0 deg, .* cannot be separated"),
+    (lambda: estimate(np.zeros(360), hour()), "constant"),
+    (lambda: estimate(z360 * 1e7, hour()), "must be within 2"),
+    (lambda: estimate(z360, hour(turn_period=None)), "need the angle rho"),
+    (lambda: estimate(z360, hour(), sigma=0.0), "sigma must be between 1e-30"),
+    (lambda: estimate(z360, hour(), prior=(0.0, 1.0)), "prior standard deviations must be"),
+    (lambda: estimate(z360, hour(), prior=3.0), "prior must be"),
+    (lambda: estimate(z360, hour(), method="magic"), "known methods: recursive, batch"),
+    (lambda: estimate(z360, hour(), nuisance=["b"]), "known nuisances: ax, az, A1, A2, A3, A0"),
+    (lambda: estimate(z360, hour(), nuisance=["A1", "A1"]), "twice"),
+    (lambda: estimate(z360, hour(), orders={"roll": [128]}), "angles: h, q, h_polar, q_polar"),
+    (lambda: estimate(z360, hour(), orders=[128.5]), "a sequence of integers"),
+    (lambda: estimate(["a"] * 360, hour()), "real numbers"),
+    (lambda: calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360), "in degrees"),
+    (lambda: calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
+    (lambda: calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
+    (lambda: calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)), "not small relative"),
+    (lambda: calibrate(HOUR, HOUR[1:]), "359 samples instead of 360"),
+    (lambda: calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR), "must be a record of kind 'angle'"),
+    (lambda: calibrate(HOUR, HOUR, trend=7), "trend must be between 0 and 2"),
+    *((lambda starts=starts: al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), starts), "start")
+      for starts in ([], [[0.0, 60.0]], [0.0, math.nan], [math.inf])),
+]  # fmt: skip
 
 
-REFUSED = {
-    "nan": (lambda: al.angle.estimate(spoiled(z360, 7, math.nan), hour()), "1 of 360 .* first at sample 7"),
-    "infinite angle": (lambda: hour().moved(h=spoiled(hour().h, 3, math.inf)), "h are not finite, the first at"),
-    "time back": (lambda: hour().moved(time=spoiled(HOUR, 5, 31.0)), "time decreases at sample 5 .31 s after 40 s"),
-    "time still": (lambda: hour().moved(time=spoiled(HOUR, 5, 40.0)), "time does not increase at sample 5"),
-    "degrees": (lambda: hour().moved(h=np.degrees(hour().h)), "in degrees"),
-    "latitude": (lambda: al.angle.gimbals(HOUR, latitude=60.0), "in degrees"),
-    "sway": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=(2.0, 60.0)), "is that in degrees"),
-    "sway shape": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=2.0), r"sway must be a Sway"),
-    "ring rate": (lambda: al.angle.Ring(0.0, -0.1, 0.1), "the rate of a ring must be between 1e-30"),
-    "ring in degrees": (lambda: al.angle.Ring(0.1, -10.0, 10.0), "is it in degrees"),
-    "ring step": (lambda: al.angle.Ring(0.1, -0.1, 0.1, step=0.3), "exceeds the range"),
-    "ring still": (lambda: planned(0.0, orders={"mu": [128]}), "Turn the outer ring"),
-    "lengths": (lambda: al.angle.estimate(z360[:-1], hour()), "359 samples instead of 360"),
-    "few": (lambda: al.angle.estimate(z360[:13], al.angle.gimbals(HOUR[:13], latitude=1.0)), "too few for 13"),
-    "polar": (lambda: planned(0.0, orders={"h_polar": [128]}), "under sway only"),
-    "polar data": (lambda: al.angle.estimate(z360, hour(), orders={"q_polar": [128]}), "under sway only"),
-    "pole": (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be separated from a constant"),
-    "no range": (lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
-                 "h stays within 0 deg, .* cannot be separated"),
-    "constant": (lambda: al.angle.estimate(np.zeros(360), hour()), "constant"),
-    "scaled": (lambda: al.angle.estimate(z360 * 1e7, hour()), "must be within 2"),
-    "no turn": (lambda: al.angle.estimate(z360, hour(turn_period=None)), "need the angle rho"),
-    "sigma": (lambda: al.angle.estimate(z360, hour(), sigma=0.0), "sigma must be between 1e-30"),
-    "prior": (lambda: al.angle.estimate(z360, hour(), prior=(0.0, 1.0)), "prior standard deviations must be"),
-    "prior shape": (lambda: al.angle.estimate(z360, hour(), prior=3.0), "prior must be"),
-    "method": (lambda: al.angle.estimate(z360, hour(), method="magic"), "known methods: recursive, batch"),
-    "nuisance": (lambda: al.angle.estimate(z360, hour(), nuisance=["b"]), "known nuisances: ax, az, A1, A2, A3, A0"),
-    "nuisance twice": (lambda: al.angle.estimate(z360, hour(), nuisance=["A1", "A1"]), "twice"),
-    "angle": (lambda: al.angle.estimate(z360, hour(), orders={"roll": [128]}), "angles: h, q, h_polar, q_polar"),
-    "orders": (lambda: al.angle.estimate(z360, hour(), orders=[128.5]), "a sequence of integers"),
-    "law": (lambda: al.angle.gimbals(HOUR, latitude=1.0, q_law="x"), "known laws: exact, linear"),
-    "duration": (lambda: planned(0.0, duration=15.0), "fewer than 2 samples"),
-    "interval": (lambda: planned(0.0, interval=-1.0), "interval must be between 1e-15"),
-    "start": (lambda: planned(math.nan), "start must be between"),
-    "text": (lambda: al.angle.estimate(["a"] * 360, hour()), "real numbers"),
-    "calibrate degrees": (lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
-                          "in degrees"),
-    "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
-    "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
-    "calibrate columns": (lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
-                          "not small relative"),
-    "calibrate lengths": (lambda: al.angle.calibrate(HOUR, HOUR[1:]), "359 samples instead of 360"),
-    "calibrate kind": (lambda: al.angle.calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR),
-                       "must be a record of kind 'angle'"),
-    "calibrate trend": (lambda: al.angle.calibrate(HOUR, HOUR, trend=7), "trend must be between 0 and 2"),
-}  # fmt: skip
-
-
-@rows("case", REFUSED)
-def test_refused_in_clear_words(case):
-    job, words = REFUSED[case]
+@rows("job, words", REFUSED)
+def test_refused_in_clear_words(job, words):
     refused(al.AllaniteError, words, job)
 
 
 def test_what_is_not_told_apart_needs_a_prior():
     z = np.random.default_rng(1).standard_normal(360)
-    rows = np.column_stack([np.ones(360), HOUR, 2 * HOUR])
-    system = System(("a", "b", "c"), rows, z, HOUR)
+    system = System(("a", "b", "c"), np.column_stack([np.ones(360), HOUR, 2 * HOUR]), z, HOUR)
     refused(al.DataError, "2 combinations of 3 constants; b, c cannot be separated", lambda: solve(system))
     known = solve(system, prior=np.array([1.0, 1e-2, 1e-2]))
     assert np.isfinite(known.values).all()
     assert math.isinf(known.condition) or known.condition > 1e12
-    # two constants told apart in the ninth digit only; the covariance form would need 1e-18
-    rng = np.random.default_rng(1)
-    rows = np.column_stack([np.ones(200), 1 + 1e-7 * rng.standard_normal(200)])
-    z = rows @ [1.0, 2.0]
-    known, _ = squareroot.SquareRoot.before(np.full(2, 1e9)).absorb(rows, z)
-    np.testing.assert_allclose(known.values, [1.0, 2.0], rtol=1e-6)
-    assert set(USUAL) < set(NUISANCES)
-    assert all(row.meaning for row in NUISANCES.values())
-
-
-@rows("starts", [[], [[0.0, 60.0]], [0.0, math.nan], [math.inf]])
-def test_starts_that_are_no_times_are_refused(starts):
-    with pytest.raises(al.UsageError):
-        al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), starts)
 
 
 def test_without_a_prior_nothing_is_drawn_to_zero_however_alike_the_columns_are():
@@ -573,7 +450,7 @@ def test_without_a_prior_nothing_is_drawn_to_zero_however_alike_the_columns_are(
     z = 5e-6 * np.random.default_rng(3).standard_normal(900)
     _, matrix = design(gimbals, harmonic_set({"h": (128, 256), "q": (128, 256)}), ("A1", "A2", "A3"))
     values, errors = least_squares(matrix, z)
-    solution = al.angle.estimate(z, gimbals, nuisance=("A1", "A2", "A3")).solution
+    solution = estimate(z, gimbals, nuisance=("A1", "A2", "A3")).solution
     assert solution.condition > 1e8
     assert solution.errors == pytest.approx(errors, rel=1e-6)
     assert np.abs((solution.values - values) / errors).max() < 1e-3

@@ -1,8 +1,4 @@
-"""Predicted standard errors against simulated runs, and the acceptance experiment on the simulated GL-1.
-
-Random numbers have seeds 1, 2, 3 ...; none is chosen. A standard deviation of 400 runs is known to 3.5 %: 11 % is
-passed by chance in one of 600 cases.
-"""
+"""Predicted standard errors, and the acceptance experiment on the simulated GL-1."""
 
 import math
 from dataclasses import replace
@@ -13,80 +9,37 @@ from tests.reference import rate as referee
 from tests.rows import rows
 
 import allanite as al
-from allanite.applications.constant_rate import (
-    EstimatorSettings,
-    ExperimentSettings,
-    by_duration,
-    experiment,
-    predicted_standard_error,
-)
+from allanite.applications.constant_rate import ExperimentSettings, experiment
 from allanite.applications.constant_rate.experiments import ratio_of
+from allanite.applications.constant_rate.predict import predicted_standard_error
 from allanite.simulation.record import GL1
 
 ARCSEC = math.pi / 180 / 3600
-RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33
-TURNING = 12.3
-
-
-@pytest.mark.slow("ensemble of simulated gyros")
-def test_the_staircase_of_counts_is_predicted():
-    """400 runs of counts; angle noise of a pulse, random walk that dominates."""
-    model = al.N(6e-4, "deg/sqrt(h)") + al.Q(math.hypot(0.3, PULSE / math.sqrt(12)), "arcsec")
-    options = EstimatorSettings(quantum=PULSE * ARCSEC)
-    errors = []
-    for seed in range(1, RUNS + 1):
-        rng = np.random.default_rng(seed)
-        steps = TURNING / RATE + model["N"].value / ARCSEC / math.sqrt(RATE) * rng.standard_normal(N)
-        angle = np.r_[0, np.cumsum(steps)] + 0.3 * rng.standard_normal(N + 1)
-        counts = np.diff(np.floor(angle / PULSE + rng.random())).astype(int)
-        record = al.Record(counts, rate=RATE, unit="arcsec", kind="count", scale=PULSE)
-        errors.append(al.constant_rate.estimate(record, "staircase").value - TURNING * ARCSEC)
-    predicted = predicted_standard_error("staircase", model, size=N, rate=RATE, options=options)
-    assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(predicted, rel=0.11)
-    assert 0.92 <= (np.abs(errors) < 1.959964 * predicted).mean() <= 0.98
 
 
 @pytest.fixture(scope="module")
 def gl1():
-    """Two runs of 94 intervals of two minutes, as in the paper; and one with a warm-up."""
+    """A run of 94 intervals of two minutes, as in the paper, and one with a warm-up."""
     plan = ExperimentSettings(reference=(12.4392 - 0.0948) * ARCSEC)
     # a warm-up is seen by the linear methods; the search for the staircase is most of the time
     linear = replace(plan, methods=("regression", "optimal"))
-    gyros = ((GL1, plan), (GL1, plan), (replace(GL1, warm_up=-0.01), linear))
-    seeds = (1, 2, 3)
+    runs = ((GL1, plan, 1), (replace(GL1, warm_up=-0.01), linear, 3))
     return [
-        experiment(
-            al.simulation.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=np.random.default_rng(seed)),
-            GL1.model,
-            how,
-        )
-        for (gyro, how), seed in zip(gyros, seeds, strict=True)
+        experiment(al.simulation.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=seed), GL1.model, how)
+        for gyro, how, seed in runs
     ]
 
 
-def test_exact_covariance_of_the_gl1_and_of_random_walk_alone():
-    errors = {
-        m: predicted_standard_error(m, GL1.model, size=48_000, rate=400.0) / ARCSEC
-        for m in ("mean", "hamming", "regression", "optimal")
-    }
-    assert errors["mean"] > errors["hamming"] > errors["regression"] > errors["optimal"]
-    wanted = {"mean": 0.00340, "hamming": 0.00192, "regression": 0.00175, "optimal": 0.00161}
-    for method, error in wanted.items():
-        assert errors[method] == pytest.approx(error, abs=6e-6)
-    # the paper's staircase, 0.0013, is below what any unbiased linear method can do under this noise
-    assert errors["optimal"] > 1.2 * 0.0013
-    model = al.N(3e-3, "deg/sqrt(h)")
-    mean, hamming, regression = (
-        predicted_standard_error(m, model, size=48_000, rate=400.0) for m in ("mean", "hamming", "regression")
-    )
-    assert mean <= 0.93 * regression
-    assert mean <= 0.88 * hamming
+@rows("method, error", [("mean", 0.00340), ("hamming", 0.00192), ("regression", 0.00175), ("optimal", 0.00161)])
+def test_exact_covariance_of_the_gl1(method, error):
+    """The paper's staircase, 0.0013, is below what any unbiased linear method can do under this noise."""
+    predicted = predicted_standard_error(method, GL1.model, size=48_000, rate=400.0)
+    assert predicted / ARCSEC == pytest.approx(error, abs=6e-6)
 
 
-@rows("run", [0, 1])
 @pytest.mark.slow("ensemble of simulated gyros")
-def test_the_simulated_gl1(gl1, run):
-    found = gl1[run]
+def test_the_simulated_gl1(gl1):
+    found = gl1[0]
     deviation = {m: found.scatter(m).deviation for m in found.methods}
     assert 1.6 <= deviation["mean"] / deviation["regression"] <= 2.3
     assert 0.996 <= deviation["hamming"] / deviation["regression"] <= 1.20
@@ -101,28 +54,30 @@ def test_the_simulated_gl1(gl1, run):
 
 @pytest.mark.slow("ensemble of simulated gyros")
 def test_the_warm_up_and_the_limits_of_ratios_and_scatter(gl1):
-    found = gl1[2]
-    assert "the rate drifts" in found.drift
-    scatter = found.scatter("regression")
+    steady, warming = gl1
+    assert "the rate drifts" in warming.drift
+    scatter = warming.scatter("regression")
     assert scatter.deviation > 1.2 * scatter.neighbours
     # -0.01 deg/h that decays with ten minutes leaves the first interval below
-    assert -0.015 < found.errors[found.methods.index("optimal"), 0] / ARCSEC < -0.004
-    rates = dict(zip(gl1[0].methods, gl1[0].rates, strict=True))
+    assert -0.015 < warming.errors[warming.methods.index("optimal"), 0] / ARCSEC < -0.004
+    rates = dict(zip(steady.methods, steady.rates, strict=True))
     _, low, high = ratio_of(rates["regression"], rates["conditional"], 1.986)
-    regression, conditional = (gl1[0].scatter(m).predicted for m in ("regression", "conditional"))
+    regression, conditional = (steady.scatter(m).predicted for m in ("regression", "conditional"))
     assert low < regression / conditional < high < 1.02 * low
-    wide, *_, optimal = gl1[0].standings()
+    wide, *_, optimal = steady.standings()
     assert (optimal.verdict, wide.verdict) == ("least scatter", "worse")
     assert wide.low < 2.11 < wide.high
     assert wide.high / wide.low > 1.3
     # 94 intervals: 68 % within 7.3 %
-    scatter = gl1[0].scatter("mean", 0.68)
+    scatter = steady.scatter("mean", 0.68)
     assert scatter.high / scatter.low == pytest.approx(1.073 / 0.927, rel=0.02)
 
 
 def test_accuracy_against_measuring_time():
     record = al.simulation.simulate_ring_laser(GL1, 12.4392, 40_000, 400.0, rng=np.random.default_rng(1))
-    series = by_duration(record, (1.0, 10.0, 1000.0), GL1.model, ExperimentSettings(methods=("mean", "optimal")))
+    series = al.constant_rate.by_duration(
+        record, (1.0, 10.0, 1000.0), GL1.model, ExperimentSettings(methods=("mean", "optimal"))
+    )
     assert [e.duration for e in series] == [1.0, 10.0]
     assert series[0].predicted[0] / series[1].predicted[0] == pytest.approx(10.0, rel=0.1)
     assert series[0].start.size == 100

@@ -24,32 +24,36 @@ def currents():
     return Recording(tuple(al.Record(v, 100.0, "mA", name=name) for v, name in zip(values, ("ix", "iy"), strict=True)))
 
 
-def test_rates_are_the_matrix_times_the_currents(currents):
-    found = al.signals.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
-    i = np.array([record.rate_values for record in currents])
-    rates = np.array([record.rate_values for record in found.rates])
+@pytest.fixture(scope="module")
+def study(currents):
+    return al.signals.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
+
+
+def test_rates_are_the_matrix_times_the_currents(currents, study):
+    i, rates = (np.array([record.rate_values for record in recording]) for recording in (currents, study.rates))
     np.testing.assert_allclose(rates, 0.2 * np.array(AXES).reshape(2, 2) @ i, rtol=1e-12, atol=1e-15)
-    assert found.rates.channels == ("wx", "wy")
+    assert study.rates.channels == ("wx", "wy")
 
 
-def test_rounding_of_both_converters_adds(currents):
+def test_rounding_of_both_converters_adds(study):
     """The noise of rounding that is found is that of white errors of both, by simulation."""
-    rng = np.random.default_rng(2)
-    exact = rng.standard_normal((2, 200_000)) * 20
+    exact = np.random.default_rng(2).standard_normal((2, 200_000)) * 20
     error = np.array(AXES).reshape(2, 2) @ (np.rint(exact) - exact)  # steps
-    found = al.signals.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
-    for channel, deviation in zip(found, error.std(axis=1), strict=True):
-        stage = channel.budget.stages[0]
-        rate = stage.coefficient / np.sqrt(0.01)
-        assert rate == pytest.approx(deviation * STAGE.step / 5 * 0.2, rel=0.01)
+    rates = [channel.budget.stages[0].coefficient / np.sqrt(0.01) for channel in study]
+    assert rates == pytest.approx(error.std(axis=1) * STAGE.step / 5 * 0.2, rel=0.01)
 
 
-def test_the_command_line_and_the_recipe(currents, tmp_path):
-    path = tmp_path / "currents.csv"
-    al.write(currents, path)
-    asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", "0,-1,1,0", "--terms", "QN")
-    done = run("budget", path, *asked, "--json", "-", code=0)
-    data = json.loads(done.stdout)
+@pytest.fixture
+def path(currents, tmp_path):
+    al.write(currents, tmp_path / "currents.csv")
+    return tmp_path / "currents.csv"
+
+
+ASKED = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling")
+
+
+def test_the_command_line_and_the_recipe(path, tmp_path):
+    data = json.loads(run("budget", path, *ASKED, "0,-1,1,0", "--terms", "QN", "--json", "-", code=0).stdout)
     assert data["settings"]["axes"] == [0, -1, 1, 0]
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(toml(data["recipe"]), encoding="utf-8")
@@ -58,28 +62,21 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
     assert al.from_dict(data).settings == PathSettings((STAGE,), 0.2, 5.0, (0, -1, 1, 0))
 
 
-@rows(
-    ("axes", "words"),
-    [
-        ("0,1", "four numbers"),
-        ("1,2,2,4", "singular"),
-        ("nan,1,1,0", "between -1e+30"),
-        ("0,0,1,1", "singular"),
-    ],
-)
-def test_impossible_axes_are_refused(axes, words, currents, tmp_path):
-    path = tmp_path / "currents.csv"
-    al.write(currents, path)
-    ends(run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes), 2, words)
+@rows("axes, words", [
+    ("0,1", "four numbers"), ("1,2,2,4", "singular"), ("nan,1,1,0", "between -1e+30"), ("0,0,1,1", "singular")
+])  # fmt: skip
+def test_impossible_axes_are_refused(path, axes, words):
+    ends(run("budget", path, *ASKED, axes), 2, words)
 
 
 def test_what_is_no_pair_of_currents_is_refused(currents):
-    refused(al.DataError, "need two currents, but there are 'ix'", lambda: mixed(Recording(currents.records[:1]), AXES))
+    first, second = currents
     rate = al.Record(np.zeros(20_000), 100.0, "deg/h", name="gx")
-    refused(al.DataError, "two currents of one kind", lambda: mixed(Recording((currents.records[0], rate)), AXES))
-    clipped = al.Record(np.clip(currents.records[0].values, -10, 10), 100.0, "mA", name="ix")
+    clipped = al.Record(np.clip(first.values, -10, 10), 100.0, "mA", name="ix")
     stage = al.signals.Stage("ADC", 12, 10.0, "mA")
-    refused(al.DataError, r"'ix'.*clipped", lambda: mixed(Recording((clipped, currents.records[1])), AXES, (stage,)))
+    refused(al.DataError, "need two currents, but there are 'ix'", lambda: mixed(Recording((first,)), AXES))
+    refused(al.DataError, "two currents of one kind", lambda: mixed(Recording((first, rate)), AXES))
+    refused(al.DataError, r"'ix'.*clipped", lambda: mixed(Recording((clipped, second)), AXES, (stage,)))
 
 
 def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
@@ -88,29 +85,22 @@ def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
     y = x + np.random.default_rng(2).uniform(-0.05, 0.05, 5000)
     x[10], y[20] = 2.5, -2.5
     both = Recording(tuple(al.Record(v, 100.0, "V", name=name) for v, name in ((x, "ix"), (y, "iy"))))
-    found = al.signals.budget_file(
-        both, al.Recipe(terms="QN"), PathSettings((al.signals.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
-    )
-    assert [channel.refusal for channel in found] == ["", ""]
-    assert [channel.budget.stages[0].clipped for channel in found] == [2, 2]
+    settings = PathSettings((al.signals.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
+    found = al.signals.budget_file(both, al.Recipe(terms="QN"), settings)
+    assert [(channel.refusal, channel.budget.stages[0].clipped) for channel in found] == [("", 2), ("", 2)]
 
 
-def test_a_gain_before_the_converter_makes_steps_and_range_smaller(currents):
+def test_a_gain_before_the_converter_makes_steps_and_range_smaller():
     plain, gained = al.signals.Stage.parse("ADC 14 5V"), al.signals.Stage.parse("ADC 14 5V gain=8")
     assert gained.step == plain.step / 8
     assert al.signals.Stage.parse(gained.text) == gained
     assert "gain of 8" in str(gained)
-    found = [
-        al.signals.budget(currents.records[0], [stage], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")).stages[0]
-        for stage in (plain, gained)
-    ]
-    assert found[1].coefficient == pytest.approx(found[0].coefficient / 8)
     for wrong in ("gain=0", "gain=-1", "gain=x"):
-        with pytest.raises(al.UsageError, match="gain"):
-            al.signals.Stage.parse(f"ADC 12 5V {wrong}")
-    record = al.Record(np.linspace(-1, 1, 4001), 100.0, "V", name="ux")
-    al.signals.budget(
-        record, [al.signals.Stage.parse("ADC 14 5V gain=4")], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")
-    )
-    with pytest.raises(al.DataError, match="clipped"):
-        al.signals.budget(record, [al.signals.Stage.parse("ADC 14 5V gain=8")], scale=0.2, sense=5.0)
+        refused(al.UsageError, "gain", lambda wrong=wrong: al.signals.Stage.parse(f"ADC 12 5V {wrong}"))
+
+    def budget(gain):
+        record, stage = al.Record(np.linspace(-1, 1, 4001), 100.0, "V"), al.signals.Stage("ADC", 14, 5.0, "V", gain)
+        return al.signals.budget(record, [stage], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN"))
+
+    assert budget(4.0).stages[0].clipped == 0
+    refused(al.DataError, "clipped", lambda: budget(8.0))
