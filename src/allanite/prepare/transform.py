@@ -8,7 +8,7 @@ import scipy
 
 from allanite.core.aliases import public
 from allanite.core.arrays import BoolArray, stretches
-from allanite.core.errors import UsageError, given
+from allanite.core.errors import DataError, UsageError, given
 from allanite.core.kinds import KINDS
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.validity import Finding
@@ -110,21 +110,30 @@ def motion_found(record: Record, moved: BoolArray) -> Finding:
 
 @public
 def detrend(record: Record, statistic: str) -> Record:
-    """The record minus its least-squares ramp, for a statistic that is insensitive to a ramp.
+    """The record minus the least-squares ramp of its rates, for a statistic that is insensitive to a ramp.
+
+    Missing samples (NaN) stay missing. Of an angle the parabola is subtracted that the ramp adds up to.
 
     Raises
     ------
     UsageError
         The statistic is sensitive to a ramp, as the whole Allan family: R^2 tau^2 / 2 is part of its value.
+    DataError
+        Fewer than two rates are known.
     """
     if statistic_named(statistic).order < 3:
         raise UsageError(f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be "
                          "removed only for statistics of third differences")  # fmt: skip
-    y = np.asarray(record.values, dtype=np.float64)
-    t = np.arange(y.size) - (y.size - 1) / 2
-    slope = float(t @ y / (t @ t))
+    values = np.asarray(record.values, dtype=np.float64)
+    y = np.diff(values) if (angle := KINDS[record.kind][1] == 1) else values
+    at = np.flatnonzero(np.isfinite(y))
+    if at.size < 2:
+        raise DataError(f"a ramp cannot be fitted: {at.size} of {y.size} rates are known, at least 2 are needed")
+    t = np.arange(y.size) - at.mean()
+    slope = float(t[at] @ y[at] / (t[at] @ t[at]))
+    ramp = np.concatenate(([0.0], np.cumsum(slope * t))) if angle else slope * t
     what = say("ramp of {slope:.6g} {unit} per second removed", slope=slope * record.rate, unit=record.unit)
-    return record.with_values(y - slope * t, what, start=record.start)
+    return record.with_values(values - ramp, what, start=record.start)
 
 
 @public

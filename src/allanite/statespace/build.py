@@ -110,7 +110,7 @@ class StepMatrices:
                             qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn))  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Matrices:
     """x' = Phi x + w, measurement = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0."""
 
@@ -121,7 +121,7 @@ class Matrices:
     P0: FloatArray
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m."""
+        """Allan variance of the measurements at averaging factors `m`, SI, exactly, shape of m."""
         # With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
         # s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
         h = self.H[0]

@@ -29,7 +29,7 @@ PER_OCTAVE = 4  # averaging times at which a state space is compared with the mo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StateSpace(Value):
+class StateSpace(Matrices, Value):
     """Errors of a sensor as states: x' = Phi x + w, z = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
 
     Attributes
@@ -58,11 +58,6 @@ class StateSpace(Value):
     _alike = ("states units",)
     _checks: ClassVar = {"rate": demand_stored_rate}
 
-    Phi: FloatArray
-    Qd: FloatArray
-    H: FloatArray
-    R: FloatArray
-    P0: FloatArray
     F: FloatArray
     Qc: FloatArray
     states: tuple[str, ...]
@@ -74,10 +69,6 @@ class StateSpace(Value):
     tau: tuple[float, float]
     ripple: float
     notes: tuple[str, ...]
-
-    def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the measurements at averaging factors `m`, SI, exactly, from the matrices alone."""
-        return Matrices(self.Phi, self.Qd, self.H, self.R, self.P0).allan(m)
 
     @property
     def factors(self) -> IntArray:

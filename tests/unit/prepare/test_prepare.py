@@ -59,6 +59,23 @@ def test_a_ramp_is_removed_for_a_statistic_that_does_not_see_it(statistic):
         np.testing.assert_allclose(np.diff(detrend(ramp, statistic).values), 0.0, atol=1e-9)
 
 
+@rows("kind", ["rate", "increment", "count", "angle"])
+def test_a_ramp_is_removed_from_records_of_every_kind_and_with_gaps(kind):
+    """A record with a gap was lost whole, and of an angle the mean rate was removed instead of the ramp."""
+    record = forms_of(np.random.default_rng(1).integers(-50, 50, 5000) + np.arange(5000) // 10, 0.1)[kind]
+    if kind != "count":
+        lost = np.isin(np.arange(record.values.size), range(900, 1500))
+        record = record.with_values(np.where(lost, np.nan, record.values), "a gap")
+    less = detrend(record, "hdev")
+    assert less.kind == ("increment" if kind == "count" else kind)
+    rates, before = (np.diff(r.values) if kind == "angle" else r.values * r.factor for r in (less, record))
+    known, at = np.isfinite(before), np.arange(5000)
+    assert np.isfinite(rates).tolist() == known.tolist()
+    slope = np.polyfit(at[known], before[known], 1)[0]
+    np.testing.assert_allclose(np.diff(rates), np.diff(before) - slope, rtol=1e-9, atol=1e-9)
+    refused(al.DataError, "at least 2 are needed", lambda: detrend(less.with_values(np.nan * less.values, ""), "hdev"))
+
+
 def test_the_quiet_window_is_the_quiet_one():
     rng = np.random.default_rng(1)
     y = rng.standard_normal((2, 60_000))
