@@ -67,7 +67,8 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
     ("oadev", {"bias": "best"}, "known bias corrections: exact, published, model"),
     ("theo1", {"bias": "model"}, "for theobr, theoh"), ("theoh", {"bias": "exact"}, "takes"),
     ("theo1", {"bias": "exact", "noise": None}, "a bias correction depends on the noise"),
-    ("theo1", {"bias": "published", "noise": rate(N=1.0)}, "noise='auto'"), ("mtie", {}, ""), ("tierms", {}, ""),
+    ("theo1", {"bias": "published", "noise": rate(N=1.0)}, "noise='auto'"),
+    *((name, {"noise": rate(N=1.0)}, f"this {name} has no .*: mtie and tierms never") for name in ("mtie", "tierms")),
 ])  # fmt: skip
 def test_corrections_and_limits_that_make_no_sense_are_refused(name, options, words):
     refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options).edf)

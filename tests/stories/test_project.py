@@ -177,6 +177,14 @@ def test_the_front_door_opens_to_what_the_stub_names_and_nothing_else():
     assert {name for name in names if isinstance(getattr(allanite, name), types.ModuleType)} == rooms
 
 
+def test_names_to_build_on_are_there_and_others_are_not():
+    from allanite import extending
+
+    assert {name for name in extending.__all__ if not hasattr(extending, name)} == set()
+    assert not vars(allanite).keys() & (set(extending.__all__) - set(dir(allanite)))  # the front door is not changed
+    assert not hasattr(extending, "identify_all")
+
+
 def test_every_promise_about_security_names_a_test_that_is_there():
     named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "SECURITY.md").read_text("utf-8"))
     assert len(named) > 10

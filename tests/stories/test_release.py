@@ -75,6 +75,12 @@ def test_the_container_copies_what_exists():
     assert "[all]" in text
 
 
+def test_the_article_cites_what_its_bibliography_has():
+    folder = ROOT / "paper"
+    cited = set(re.findall(r"@(\w+)", (folder / "paper.md").read_text("utf-8").split("---", 2)[2]))
+    assert cited == set(re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text("utf-8"), re.MULTILINE))
+
+
 @rows("path", sorted((ROOT / ".github" / "workflows").glob("*.yml")), ids=lambda path: path.stem)
 def test_a_workflow_runs_what_exists_and_uses_what_is_pinned(path):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)

@@ -1,5 +1,6 @@
-"""The documentation site: it is built without a warning, and has a page for every row and verb."""
+"""The documentation site: it is built without a warning, and has a page for every row and word."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -113,3 +114,19 @@ def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
         assert not [url for url in links.loaded if "//" in url], page
         inner = [url.split("#")[0].split("?")[0] for url in (*links.loaded, *links.led) if "//" not in url]
         assert not [url for url in inner if url and not (page.parent / url).exists()], page
+
+
+WORDS = (
+    "ARW VRW RRW ADEV OADEV MDEV TDEV HDEV OHDEV TOTDEV MTOTDEV TTOTDEV HTOTDEV PDEV MTIE AVAR DAVAR EDF PSD ASD LSB "
+    "GM BI TheoH flicker kalibr imu.yaml run bias stability noise density citation confidence interval angle random "
+    "walk allantools quantization RMS fs"
+)
+"""What engineers look for; the search leaves out "in"."""
+
+
+def test_the_search_knows_the_fields_words(site):
+    stem = pytest.importorskip("snowballstemmer").stemmer("porter").stemWord
+    text = (site / "searchindex.js").read_text("utf-8")
+    index = json.loads(text[text.index("(") + 1 : text.rindex(")")])
+    known = set(index["terms"]) | set(index["titleterms"])
+    assert [word for word in re.findall(r"\w+", WORDS.lower()) if not {stem(word), word} & known] == []

@@ -115,8 +115,8 @@ class Curve(Value):
     def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         demand_level(level)
         if self.law is None:
-            raise UsageError("confidence intervals need the noise of the record: deviation(record, ..., "
-                             "noise=allanite.identify(record))")  # fmt: skip
+            raise UsageError(f"this {self.statistic} has no confidence intervals: mtie and tierms never have any, "
+                             "others need noise: deviation(record, ..., noise=allanite.identify(record))")  # fmt: skip
         return self.law(level)
 
     @property

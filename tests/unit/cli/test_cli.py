@@ -108,7 +108,7 @@ def test_help_and_its_summaries():
     # no summary of a verb is cut
     for words, command in commands():
         summary = command.help.partition("\n")[0]
-        assert len(summary) <= 58, words
+        assert len(summary) <= (45 if len(words) == 1 else 58), words
         assert command.get_short_help_str(60) == summary, words
     # of many options twelve are shown, all on demand; the examples have options that there are
     examples = tomllib.loads((ROOT / "src" / "allanite" / "cli" / "examples.toml").read_text("utf-8"))
