@@ -153,6 +153,7 @@ class Process:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
             env=os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._folder.name),
         )  # fmt: skip
+        self._stdout: Any = self._process.stdout
 
     def __enter__(self) -> "Process":
         try:
@@ -226,10 +227,6 @@ class Process:
         if filled < array.size:
             raise self._broken(f"while reading {path!r}")
 
-    @property
-    def _stdout(self) -> Any:
-        return self._process.stdout
-
     @contextmanager
     def _deadline(self, seconds: float) -> Iterator[None]:
         """Kill a process that has not answered in time."""
@@ -246,9 +243,11 @@ class Process:
         code = self._process.wait()
         self._errors.seek(0)
         lines = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
-        died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
+        late = not lines and -code in _TIMEOUTS
+        died = "it took too long" if late else "it ended early" if code >= 0 else f"signal {-code}"
         reason = re.sub(r"^[\w.]+(Error|Exception): ", "", lines[-1])[:200] if lines else died
         if reason.startswith(LIMIT):
             return DataError(reason)
-        return DataError(f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if "
-                         f"other programs can read it, {self._library.remedy}")  # fmt: skip
+        cause = "the file is damaged or incomplete" + (", or this computer is busy" if late else "")
+        return DataError(f"{cause}: {self._library.package} failed {where}: {reason}; if other programs can read it, "
+                         f"{self._library.remedy}")  # fmt: skip
