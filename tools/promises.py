@@ -32,13 +32,15 @@ def extreme(section, column, pick):
 
 
 def worst_cells():
-    """How many cells of the grid are named, of how many records each, and the first of them."""
+    """How many cells of the grid are named, of how many records each, the first of them, and that most often wrong."""
     named = [row for each in read("grid.md").tables("Worst cells") for row in each]
-    cell = (
-        f", of {grid('records') / CELLS:.0f} records each"
-        + "; the worst: {sensor}, {disturbance}, {samples} samples, wrong {wrong %} %, false {false %} %"
-    )
-    return [f"{len(named)}{cell.format_map(named[0]) if named else ''}"]
+    words = [f"{len(named)}, of {grid('records') / CELLS:.0f} records each"]
+    if named:
+        cell = "{sensor}, {disturbance}, {samples} samples, "
+        words.append(f"the worst: {cell}wrong {{wrong %}} %, false {{false %}} %".format_map(named[0]))
+        wrong = max(named, key=lambda row: number(row["wrong %"]))
+        words.append(f"most often wrong: {cell}{{wrong %}} %".format_map(wrong))
+    return ["; ".join(words)]
 
 
 def behind(*disturbances):
