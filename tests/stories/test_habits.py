@@ -82,13 +82,14 @@ WORKS = (
     ("repr(fit['N'])", lambda text: "deg/sqrt(h) = " in text and "rad/sqrt(s)" in text),
     ("fit.summary()", lambda text: "angle random walk" in text),
     ("fit._repr_html_()", lambda html: "<table" in html and "<svg" in html),
-    ("fit.plot()", lambda figure: len(figure.axes) > 0),
+    ("fit.plot(), fit.plot(folder / 'a.png')", lambda figures: all(len(figure.axes) > 0 for figure in figures)),
     ("record.plot()", lambda figure: len(figure.axes) == 1),
     # jobs
     ("al.analyze(df, rate=100)", lambda study: len(study.channels) == 2),
     ("al.analyze(path, fs=100, terms=['N', 'K'])['gx'].fit.N.to(SHOWN)", is_n),
     ("study.to_dataframe()", lambda t: "N" in set(t.iloc[:, 1])),
     ("study.to_dataframe(coefficients=False)", lambda t: len(t) > 20),
+    ("study.curves['gx']", lambda c: len(c.tau) > 5),
     ("channel.N.to(SHOWN), channel['N'].to(SHOWN), study.gx.N.to(SHOWN)", lambda found: all(map(is_n, found))),
     ("study.fits['gy'].N.to(SHOWN)", is_n),
     ("study.report(folder / 'page.html')", lambda nothing: nothing is None),
@@ -96,6 +97,7 @@ WORKS = (
     ("al.export(timed_imu, 'kalibr', unexplained=True)['gyroscope_noise_density']", lambda v: v > 0),
     ("al.analyze(np.stack([x, y], axis=1), rate=100, unit='deg/s').channels", lambda found: len(found) == 2),
     ("al.drift(fit)['heading'].to('deg')", lambda sigma: sigma.shape == (5,)),
+    ("al.drift(record, times=60)['position'].sigma", lambda sigma: sigma[0] > 0),
     ("al.compare(x, y, rate=100, unit='deg/s')", lambda found: not found.pairs[0].changed),
     # models and simulation
     ("al.Model('N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)')['K'].value", lambda v: v > 0),

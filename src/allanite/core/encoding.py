@@ -109,8 +109,6 @@ def finite(value: float) -> float | None:
 
 def _numbers(array: Any) -> Any:
     """Nested lists of an array."""
-    if array.dtype.kind == "c":
-        return {"real": _numbers(array.real), "imag": _numbers(array.imag)}
     if array.dtype.kind != "f" or np.isfinite(array).all():
         return array.tolist()
     return _scalar(array.item()) if array.ndim == 0 else [_numbers(np.asarray(part)) for part in array]
@@ -118,11 +116,6 @@ def _numbers(array: Any) -> Any:
 
 def _array(data: Any, args: tuple[Any, ...]) -> Any:
     """The array from nested lists, with the number type given by the annotation."""
-    if isinstance(data, dict):
-        real, imag = (read_key(data, part, np.ndarray) for part in ("real", "imag"))
-        if real.shape != imag.shape:
-            raise unfit(data, "as many imaginary as real parts")
-        return real + 1j * imag
     named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
     kinds, words = {np.bool_: ("b", "true and false"),
                     np.int64: ("iu", "whole numbers")}.get(named, ("biufUO", "numbers"))  # fmt: skip

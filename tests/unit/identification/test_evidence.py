@@ -196,6 +196,8 @@ def test_a_slow_cycle_is_no_ramp(seed):
     y = np.random.default_rng(seed).standard_normal(60_000)
     record = al.Record(y + np.sin(2 * np.pi * np.arange(y.size) / 20_000), RATE, "deg/s")
     assert not noise_of(record, al.Recipe()).fit["R"].claimed
+    above = al.identify(record, band=(0.02, 50.0))["R"]
+    assert (above.status, "the band" in above.reason) == ("not observable", True)
 
 
 def test_the_power_of_steps_is_that_of_their_literal_transform():

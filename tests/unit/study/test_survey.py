@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.study.survey import Densities, survey
+from allanite.study.survey import Densities, Deviations, survey
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +110,8 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
     lines = [line.split()[:2] for line in shown.splitlines()]
     assert ["1", "0.1"] in lines
     assert ["2000", "200"] in lines
+    every = table(survey(file, Deviations(taus="all", intervals=False), al.Recipe(channels=("x",))))
+    assert re.search(r"2\d of 2000 rows; --csv writes all", every)
 
 
 @rows("words, code, said", [

@@ -127,8 +127,17 @@ def test_a_channel_that_is_read_with_an_angle_has_the_means_of_the_intervals():
     np.testing.assert_allclose(found.rate_error(angle, ends), found.rate_error(angle, middle), rtol=1e-12)
 
 
-def test_what_is_no_regression_is_refused(tmp_path):
+def test_what_was_saved_corrects_in_the_same_way_and_what_is_no_regression_is_refused(tmp_path):
+    record, along = gyro(6, 1e-5 * TEMP.values + 1e-6 * (TEMP.values - 20) ** 2), al.Recording((TEMP,))
+    found = compensate(record, TEMP, ["temp"], derivative_of=["temp"], degree=2, lags=(60.0,), trend=True)
+    found.save(tmp_path / "regression.json")
+    again = al.compensation.Regression.load(tmp_path / "regression.json")
+    np.testing.assert_array_equal(again.error(record, along), found.error(record, along))
+    assert (again.to_dict(), gain_on(again, record, along)) == (found.to_dict(), gain_on(found, record, along))
+    refused(al.UsageError, "already exists", lambda: found.save(tmp_path / "regression.json"))
     path = tmp_path / "wrong.json"
+    al.compensation.save((found, found), path)
+    refused(al.DataError, "contains 2 regressions", lambda: al.compensation.Regression.load(path))
     for text, words in (
         ("[]", "contains no saved regression"), ("{", "cannot be read"),
         ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
