@@ -70,7 +70,7 @@ def test_commands_of_a_page_that_follow_each_other(desk):
 ADIS = "adis_16405_imu1.rda"
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("commands of one page on a recording of 2.8 h")
 def test_commands_of_the_gyro_vertical(desk, request):
     exec("".join(fenced("vertical.md", "python")), {})  # noqa: S102 - our own page
     every = commands("vertical.md")
