@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from allanite.phrases.phrase import command_line
 from allanite.study import analysis
 
 MADE = {}
@@ -12,13 +13,14 @@ MADE = {}
 
 @pytest.fixture(scope="module")
 def analyzed_once():
-    """Commands and functions share the study of a file with the same recipe."""
+    """Commands and functions share the study of a file with the same recipe, whose remedies name options."""
     usual = analysis.analyzed
 
     def shared(source, recipe, progress=None):
         key = (os.fspath(source), str(recipe.to_dict()))
         if key not in MADE:
-            MADE[key] = usual(source, recipe, progress)
+            with command_line():
+                MADE[key] = usual(source, recipe, progress)
         return MADE[key]
 
     with pytest.MonkeyPatch.context() as patch:

@@ -28,10 +28,11 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     assert "<svg" in figure.read_text()
     channels = json.loads(data.read_text())["channels"]
     assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]
-    assert [[t["symbol"] for t in channel["fit"]["terms"]] for channel in channels] == [list("QNBKR")] * 3
     for channel in channels:  # the carrier sways: what stands in a band of little power is no answer
         assert channel["validity"] == "unexplained"
-        assert [t["symbol"] for t in channel["fit"]["terms"] if t["status"] == "not valid"] == list("QNBKR")
+        terms = channel["fit"]["terms"]
+        assert [t["symbol"] for t in terms][:5] == list("QNBKR")
+        assert {t["status"] for t in terms} == {"not valid"}
 
 
 def matrix(path):
