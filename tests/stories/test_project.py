@@ -208,7 +208,7 @@ def test_a_phrase_of_the_list_is_found(tmp_path):
     assert sum(bool(re.search(phrase, text)) for phrase in words.BANNED for text in said) == 3
 
 
-BUDGET = {"lines": 76_592, "files": 0, "names": 55, "circles": 0, "hidden circles": 0}
+BUDGET = {"lines": 76_591, "files": 0, "names": 55, "circles": 0, "hidden circles": 0}
 """What the package has at most: lines, files above 400 of them, values whose name says little, circles of imports.
 
 Hidden are those that are closed by an import in a function. Each number only falls: lower it with what makes it lower.

@@ -20,9 +20,7 @@ from allanite.kernels.compiling import KEPT
 _X, _M, _FREE, _COLUMNS = "float64[::1]", "int64[::1]", "boolean[::1]", "float64[:, ::1]"
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
 
-THERE = {
-    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA}, int64, {_X}, int64)",
-}
+THERE = {"whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA}, int64, {_X}, int64)"}
 """What the other process compiles: kernel and types of its arguments."""
 
 HERE = {

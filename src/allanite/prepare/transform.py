@@ -132,7 +132,8 @@ def detrend(record: Record, statistic: str) -> Record:
     t = np.arange(y.size) - at.mean()
     slope = float(t[at] @ y[at] / (t[at] @ t[at]))
     ramp = np.concatenate(([0.0], np.cumsum(slope * t))) if angle else slope * t
-    what = say("ramp of {slope:.6g} {unit} per second removed", slope=slope * record.rate, unit=record.unit)
+    size = slope * record.rate * (record.scale or 1.0)
+    what = say("ramp of {slope:.6g} {unit} per second removed", slope=size, unit=record.unit)
     return record.with_values(values - ramp, what, start=record.start)
 
 

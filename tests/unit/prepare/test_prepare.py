@@ -68,11 +68,12 @@ def test_a_ramp_is_removed_from_records_of_every_kind_and_with_gaps(kind):
         record = record.with_values(np.where(lost, np.nan, record.values), "a gap")
     less = detrend(record, "hdev")
     assert less.kind == ("increment" if kind == "count" else kind)
-    rates, before = (np.diff(r.values) if kind == "angle" else r.values * r.factor for r in (less, record))
+    rates, before = (np.diff(r.values) if kind == "angle" else r.values * (r.scale or 1.0) for r in (less, record))
     known, at = np.isfinite(before), np.arange(5000)
     assert np.isfinite(rates).tolist() == known.tolist()
     slope = np.polyfit(at[known], before[known], 1)[0]
     np.testing.assert_allclose(np.diff(rates), np.diff(before) - slope, rtol=1e-9, atol=1e-9)
+    assert float(less.history[-1].split()[2]) == pytest.approx(slope * record.rate, rel=1e-5)  # in the unit
     refused(al.DataError, "at least 2 are needed", lambda: detrend(less.with_values(np.nan * less.values, ""), "hdev"))
 
 
